@@ -1,0 +1,29 @@
+# One environment serves every target; it is rebuilt when the project's dependencies change.
+PYTHON ?= python3.11
+BIN := .venv/bin
+
+# The linear algebra here is many small problems: one thread each beats many threads for one.
+export OPENBLAS_NUM_THREADS ?= 1
+
+.PHONY: study test clean
+
+study: .venv/installed
+	$(BIN)/susp-ss study --out results --force
+
+test: .venv/installed-test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/pytest
+
+.venv/installed: pyproject.toml constraints.txt
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	touch $@
+
+.venv/installed-test: .venv/installed
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[test]'
+	touch $@
+
+clean:
+	rm -rf .venv results
