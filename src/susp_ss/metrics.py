@@ -1,0 +1,190 @@
+"""Ride metrics of a vehicle on a road, by any of three routes, and the bridge from vehicles to surrogates."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from .responses.covariance import covariance_variances
+from .responses.labels import QUANTITIES, labelled_outputs
+from .responses.simulation import time_variances
+from .responses.spectral import spectral_variances
+from .roads import Road
+from .vehicles import Vehicle
+
+METHODS = ("covariance", "spectral", "time")
+
+
+def ride_metrics(
+    vehicle: Vehicle,
+    road: Road,
+    method: Literal["covariance", "spectral", "time"] = "covariance",
+    *,
+    duration: float = 600.0,
+    step: float = 0.002,
+    seed: int = 0,
+) -> xr.Dataset:
+    """Root mean squares of a vehicle's ride on a random road.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Any of the five models. Parameters that are arrays make a sweep, whose dims come first in the result.
+    road : Road
+        What the wheels run over.
+    method : {"covariance", "spectral", "time"}
+        ``"covariance"``: a Lyapunov equation with the exact wheelbase delay, for waviness 2; the coherence of isotropic
+        tracks is a rational fit, good to 1e-3. ``"spectral"``: ``int |H|^2 G df``, any waviness and the exact coherence.
+        ``"time"``: mean squares over a synthesised record, with a standard error beside each.
+    duration, step : float
+        Of the record in s, for ``"time"``; the step is shortened to divide the delay of the rear wheels.
+    seed : int
+        Of the record, for ``"time"``.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``bacc`` (m/s^2) on point (cg and above each corner), ``sws`` (m), ``dtl`` (N) and the mean ``damper_power`` (W) on
+        corner, ``pitch_acc`` and ``roll_acc`` (rad/s^2) where the vehicle has them; a quarter car has no point or
+        corner. ``"time"`` adds ``<name>_stderr``. A variance that white road velocity makes infinite (tyre load with
+        tyre damping; acceleration, tyre load and damper power on a rigid tyre) is `inf`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        An argument of the wrong kind, a vehicle without damping, a waviness the method cannot take, or a road whose
+        warp drifts without bound.
+
+    Examples
+    --------
+    >>> from susp_ss import FullCar, Road, ride_metrics
+    >>> metrics = ride_metrics(FullCar(), Road.iso8608("B", speed=20.0, tracks="isotropic"))
+    >>> print(f"{1e3 * metrics.sws.sel(corner='fr').item():.1f} mm")
+    9.1 mm
+    """
+    if not isinstance(vehicle, Vehicle):
+        raise TypeError(f"vehicle must be one of the package's vehicles, such as QuarterCar(), got {vehicle!r}")
+    if not isinstance(road, Road):
+        raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {road!r}")
+    if method not in METHODS:
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
+    if method == "time":
+        variances, errors = time_variances(vehicle, road, duration, step, seed)
+    else:
+        variances = {"covariance": covariance_variances, "spectral": spectral_variances}[method](vehicle, road)
+    sweep = vehicle.sweep()
+    model = vehicle.flattened(sweep).assemble()
+    corners = len(model.corners)
+    roots = np.sqrt(variances)
+    metrics = labelled_outputs(model, roots, model.damping * variances[:, -corners:], sweep, statistic="RMS")
+    metrics.damper_power.attrs["long_name"] = f"mean {QUANTITIES['damper_power'][1]}"
+    if method == "time":
+        with np.errstate(divide="ignore", invalid="ignore"):
+            of_roots = np.where(errors > 0.0, errors / (2.0 * roots), 0.0)
+        stderr = labelled_outputs(
+            model, of_roots, model.damping * errors[:, -corners:], sweep, statistic="standard error of"
+        )
+        metrics = metrics.assign({f"{name}_stderr": data for name, data in stderr.items()})
+    return metrics
+
+
+class Response:
+    """One metric of one vehicle as a function of design variables: the bridge from vehicles to surrogates.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One number for every parameter; the inputs replace some of them.
+    road : Road
+        What the vehicle runs over.
+    criterion : str
+        Name of a variable of `ride_metrics`.
+    at : str, optional
+        The point or corner, where the criterion has several.
+    inputs : sequence of str
+        Fields of the vehicle that the columns of X set, in SI units.
+    parameter : str, optional
+        A field that a second argument sets: ``response(X, value)``, for `ParameterBased`.
+
+    Attributes
+    ----------
+    parameter_value : float
+        The vehicle's own value of ``parameter``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        An unknown criterion, place or field; each names what is available.
+
+    Examples
+    --------
+    >>> from susp_ss import QuarterCar, Response, Road
+    >>> response = Response(QuarterCar(), Road(), "sws", parameter="ms")
+    >>> X = [[18e3, 1500.0], [20e3, 1500.0]]
+    >>> response(X, 317.5).shape
+    (2,)
+    >>> bool((response(X, 400.0) > response(X)).all())
+    True
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        road: Road,
+        criterion: str = "bacc",
+        at: str | None = None,
+        inputs: Sequence[str] = ("ks", "cs"),
+        parameter: str | None = None,
+    ):
+        if not isinstance(vehicle, Vehicle):
+            raise TypeError(f"vehicle must be one of the package's vehicles, such as QuarterCar(), got {vehicle!r}")
+        if vehicle.sweep().size != 1 or vehicle.sweep().dims:
+            raise ValueError("Response needs a vehicle with one number for every parameter, got arrays")
+        if isinstance(inputs, str):
+            raise TypeError(f'inputs must be a sequence of field names such as ("ks", "cs"), got {inputs!r}')
+        fields = [field.name for field in dataclasses.fields(vehicle)]
+        for name in (*inputs, *(() if parameter is None else (parameter,))):
+            if name not in fields:
+                raise ValueError(
+                    f"{type(vehicle).__name__} has no parameter named {name!r}, available: {', '.join(fields)}"
+                )
+        if len(inputs) == 0 or len({*inputs, parameter}) != len(inputs) + 1:
+            raise ValueError(f"inputs and parameter must be different fields, got {tuple(inputs)} and {parameter!r}")
+        self.vehicle, self.road, self.criterion, self.at = vehicle, road, criterion, at
+        self.inputs, self.parameter = tuple(inputs), parameter
+        self._check_place()
+        if parameter is not None:
+            value = getattr(vehicle, parameter)
+            if isinstance(value, float):
+                self.parameter_value = value
+
+    def _check_place(self) -> None:
+        metrics = ride_metrics(self.vehicle, self.road)
+        if self.criterion not in metrics:
+            raise ValueError(f"no criterion named {self.criterion!r}, available: {', '.join(map(str, metrics))}")
+        (dim,) = metrics[self.criterion].dims or (None,)
+        if dim is None and self.at is not None:
+            raise ValueError(f"{self.criterion} of {type(self.vehicle).__name__} has one place only, got at={self.at!r}")
+        if dim is not None and self.at not in metrics[dim].values:
+            available = ", ".join(metrics[dim].values)
+            raise ValueError(f"no {dim} named {self.at!r}, available: {available}")
+
+    def __call__(self, X: ArrayLike, value: ArrayLike | None = None) -> NDArray[np.float64]:
+        """Evaluate the metric at designs X (n, inputs), with ``value`` for the parameter if one is named."""
+        columns = np.asarray(X, dtype=float)
+        if columns.ndim != 2 or columns.shape[1] != len(self.inputs):
+            raise ValueError(
+                f"X must have shape (n, {len(self.inputs)}) with columns {', '.join(self.inputs)}, got {columns.shape}"
+            )
+        if value is not None and self.parameter is None:
+            raise ValueError("a value was given, but Response(parameter=...) names no parameter to set")
+        settings: dict[str, Any] = dict(zip(self.inputs, columns.T, strict=True))
+        if value is not None:
+            settings[self.parameter] = value
+        metric = ride_metrics(dataclasses.replace(self.vehicle, **settings), self.road)[self.criterion]
+        return (metric if self.at is None else metric.sel({metric.dims[-1]: self.at})).to_numpy()

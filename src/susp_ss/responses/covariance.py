@@ -1,0 +1,247 @@
+"""The exact covariance of a vehicle on a random road: one Lyapunov equation, with the wheelbase delay in closed form.
+
+Road velocity is white, or white plus first-order colours of either sign: a low-wavenumber cut-off is one (exactly), the
+coherence of an isotropic surface a few (a rational fit). Variance is linear in the spectrum, so that each part adds its
+own term to the right-hand side of one equation ``A X + X A^T + Q = 0``. For a process that drives the front by ``B_f``
+and, after tau, the rear by ``B_r``, with ``e = e^(A tau) B_f``:
+
+- white of intensity q: ``Q = q (B_f B_f^T + B_r B_r^T + e B_r^T + B_r e^T)``;
+- colour of autocorrelation ``s^2 e^(-alpha |t|)``: ``Q = B_f g^T + B_r h^T`` and its transpose, with ``g = E[x u(t)]`` and
+  ``h = E[x u(t - tau)]``.
+
+The full car's warp is the integral of a velocity over the delay and joins by its own closed-form moments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..roads import Road
+from ..vehicles import Vehicle
+from ..vehicles.linkage import SecondOrder
+from .excitation import Process, delay, processes, refuse_unbounded
+from .lyapunov import Dynamics
+
+Array = NDArray[np.float64]
+
+# x K_1(x) ~ sum c_i / (1 + (x / x_i)^2) with sum c_i = 1: a least-squares fit with free signs, since the coherence decays
+# exponentially and nonnegative terms cannot come closer than 0.7 %. Metrics then hold to about 1e-4.
+COHERENCE_RATES = np.array([0.17846, 0.74178, 1.96519, 5.04089, 7.56134])
+COHERENCE_WEIGHTS = np.array([0.029123, 0.294623, 0.931565, -0.350543, 0.095232])
+COHERENCE_WEIGHTS = COHERENCE_WEIGHTS / COHERENCE_WEIGHTS.sum()
+
+# Designs solved together: their 49 x 49 systems then stay near the processor.
+BATCH = 256
+
+
+class Spectrum(NamedTuple):
+    """Two-sided velocity spectrum ``white + sum_j weight_j alpha_j^2 / (alpha_j^2 + omega^2)``."""
+
+    white: float
+    alphas: Array
+    weights: Array
+
+
+class Moments(NamedTuple):
+    """Second-order matrices of a batch of designs and the covariance (N, 2n [+ 1], 2n [+ 1]) of (p, v [, warp])."""
+
+    model: SecondOrder
+    X: Array
+    infinite: NDArray[np.bool_]
+
+
+def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
+    """Stationary covariance of the road-relative states.
+
+    Solves ``A X + X A^T + Q = 0`` exactly, the wheelbase delay included, under the assumption that every eigenvalue of A
+    lies in the open left half plane. Every metric is one line on top: ``sqrt(diag(C X C^T))``.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Parameters may be arrays; the designs are solved together.
+    road : Road
+        Waviness 2.
+
+    Returns
+    -------
+    xarray.DataArray
+        On (sweep..., state, state_), in the units of the states of ``vehicle.state_space(input="velocity")``: positions
+        relative to the road ``p_...`` (m, rad), velocities ``d...`` (m/s, rad/s) and, for the full car, ``warp`` (m).
+
+    Raises
+    ------
+    ValueError
+        Waviness other than 2, a design that is not asymptotically stable, or a warp without finite variance.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss import QuarterCar, Road, covariance
+    >>> car, road = QuarterCar(), Road()
+    >>> X = covariance(car, road)
+    >>> deflection = xr.DataArray([1.0, -1.0, 0.0, 0.0], dims="state", coords={"state": X.state})
+    >>> variance = float(deflection.rename(state="state_") @ X @ deflection)
+    >>> bool(np.isclose(variance, road.intensity * (car.ms + car.mu) / (2 * car.cs)))
+    True
+    """
+    batches = list(covariance_batches(vehicle, road))
+    states = list(batches[0].model.relative_states)
+    X = np.concatenate([moments.X for moments in batches])
+    labels = {"state": states, "state_": states}
+    return vehicle.sweep().unflatten(X, ("state", "state_"), labels).rename("covariance")
+
+
+def covariance_batches(vehicle: Vehicle, road: Road) -> Iterator[Moments]:
+    """Yield the covariance of all designs, a batch at a time."""
+    if road.waviness != 2.0:
+        raise ValueError(
+            f"the covariance route needs waviness 2, got {road.waviness:g}: no finite state-space model of such a "
+            'road exists; pass method="spectral"'
+        )
+    sweep = vehicle.sweep()
+    flat = vehicle.flattened(sweep)
+    for start in range(0, sweep.size, BATCH):
+        stop = min(start + BATCH, sweep.size)
+        yield _moments(flat.designs(slice(start, stop)), road, stop - start)
+
+
+def spectrum(road: Road, process: Process, track_width: Array) -> Spectrum:
+    """Write a process's velocity spectrum as a white part and signed first-order colours, (N, J)."""
+    q = road.intensity
+    alphas = np.empty((len(track_width), 0))
+    weights = alphas
+    if process.sign:
+        alphas = COHERENCE_RATES * road.speed / track_width[:, None]
+        weights = np.broadcast_to(0.5 * process.sign * q * COHERENCE_WEIGHTS, alphas.shape)
+    white = q * process.share
+    if road.cutoff:
+        # The cut-off multiplies by w^2 / (w^2 + cut^2); partial fractions, apart from coincident rates.
+        cut = 2.0 * np.pi * road.cutoff * road.speed
+        alphas = np.where(np.abs(alphas - cut) < 1e-6 * cut, (1.0 + 1e-6) * cut, alphas)
+        weights = weights * alphas**2 / (alphas**2 - cut**2)
+        own = -white - weights.sum(axis=1, keepdims=True)
+        alphas = np.concatenate([alphas, np.full_like(own, cut)], axis=1)
+        weights = np.concatenate([weights, own], axis=1)
+    return Spectrum(white, alphas, weights)
+
+
+def _moments(vehicle: Vehicle, road: Road, N: int) -> Moments:
+    model = vehicle.assemble()
+    unstable = np.broadcast_to(model.unstable(), (N,))
+    if unstable.any():
+        raise ValueError(
+            f"{type(vehicle).__name__} has an undamped mode (design {int(np.argmax(unstable))} of its batch), so that no "
+            "stationary response exists; pass cs > 0"
+        )
+    refuse_unbounded(vehicle, road, model.warp)
+
+    n = len(model.coordinates)
+    root = np.sqrt(model.m)
+    scale = 1.0 / (root[..., :, None] * root[..., None, :])
+    dynamics = Dynamics(*(np.broadcast_to(x * scale, (N, n, n)) for x in (model.K, model.C)))
+    inputs = np.concatenate([-root[..., None] * model.G, model.C_in / root[..., None]], axis=-2)
+    tau = np.broadcast_to(delay(vehicle, road), (N,))
+    width = np.broadcast_to(vehicle.track_width, (N,)).astype(float)
+
+    Q = np.zeros((N, 2 * n, 2 * n))
+    with_warp, warp_variance = np.zeros((N, 2 * n)), np.zeros(N)
+    infinite = np.zeros((N, len(model.outputs)), dtype=bool)
+    for process in processes(vehicle, road):
+        parts = spectrum(road, process, width)
+        response = _Response(dynamics, inputs, process, parts, tau)
+        Q += response.right_hand_side()
+        if model.warp is not None:
+            cross, own = response.warp(float(model.warp @ process.now), float(model.warp @ process.later))
+            with_warp += cross
+            warp_variance += own
+        feedthrough = model.on_road_velocity @ np.stack([process.now, process.later], axis=-1)
+        infinite |= np.any(feedthrough != 0.0, axis=-1)
+
+    X = dynamics.lyapunov(Q)
+    stretch = np.concatenate([1.0 / root, 1.0 / root], axis=-1)
+    X = X * (stretch[..., :, None] * stretch[..., None, :])
+    if model.warp is not None:
+        X = np.pad(X, [(0, 0), (0, 1), (0, 1)])
+        X[:, :-1, -1] = X[:, -1, :-1] = stretch * with_warp
+        X[:, -1, -1] = warp_variance
+    return Moments(model, X, infinite)
+
+
+class _Response:
+    """What one process stirs up: correlations of the state x = (p, v) with the process now and a delay ago."""
+
+    def __init__(
+        self, dynamics: Dynamics, inputs: Array, process: Process, parts: Spectrum, tau: Array
+    ) -> None:
+        N, size = len(tau), inputs.shape[-2]
+        self.dynamics, self.parts, self.tau = dynamics, parts, tau
+        self.front = np.broadcast_to(inputs @ process.now, (N, size))
+        self.rear = np.broadcast_to(inputs @ process.later, (N, size))
+        self.delayed = bool(process.later.any())
+        if self.delayed:
+            self.free, self.forced = dynamics.propagate(self.front, tau, parts.alphas)
+        else:
+            self.free, self.forced = self.front, np.zeros((N, size, parts.alphas.shape[1]))
+        # For a colour u of unit sigma^2: E[x u(t)], and the two halves of E[x u(t - tau)].
+        self.decay = np.exp(-parts.alphas * tau[:, None]) if self.delayed else np.ones_like(parts.alphas)
+        self.now, self.before = np.empty((2, *self.forced.shape))
+        for j, alpha in enumerate(parts.alphas.T):
+            sources = np.stack([self.front + self.decay[:, j, None] * self.rear, self.rear + self.free], axis=-1)
+            self.now[..., j], self.before[..., j] = np.moveaxis(dynamics.resolvent(alpha, sources), -1, 0)
+
+    def right_hand_side(self) -> Array:
+        """The process's share of Q."""
+        front, rear, e = self.front, self.rear, self.free
+        white = _outer(front, front)
+        if self.delayed:
+            white = white + _outer(rear, rear) + _outer(e, rear) + _outer(rear, e)
+        sigma2 = (0.5 * self.parts.weights * self.parts.alphas)[:, None, :]
+        g = (sigma2 * self.now).sum(axis=-1)
+        coloured = _outer(front, g) + _outer(g, front)
+        if self.delayed:
+            h = (sigma2 * (self.before + self.forced)).sum(axis=-1)
+            coloured = coloured + _outer(rear, h) + _outer(h, rear)
+        return self.parts.white * white + coloured
+
+    def warp(self, now: float, later: float) -> tuple[Array, Array]:
+        """``E[x warp]`` and ``E[warp^2]`` of a warp whose rate is ``now * u(t) + later * u(t - tau)``."""
+        white, alphas, weights = self.parts
+        tau = self.tau[:, None]
+        if now + later != 0.0:
+            # Bounded by the cut-off alone: the height itself is the sum of colours of variance -weight / (2 alpha).
+            height = -0.5 * weights / alphas
+            rate = (alphas * height)[:, None, :]
+            cross = rate * (now * self.now + later * (self.before - self.forced))
+            own = height * (now**2 + later**2 + 2.0 * now * later * self.decay)
+            return cross.sum(axis=-1), own.sum(axis=-1)
+        if now == 0.0:
+            return np.zeros_like(self.front), np.zeros(len(tau))
+        # The warp is the process's velocity integrated over the delay.
+        sigma2 = 0.5 * weights * alphas
+        memory = -np.expm1(-alphas * tau) / alphas
+        drift = self.free - self.front
+        coloured = (sigma2[:, None, :] * (self.now - self.before - self.forced)).sum(axis=-1)
+        coloured += (self.front + self.rear) * (sigma2 * memory).sum(axis=-1, keepdims=True)
+        cross = self.dynamics.solve((white * drift - coloured)[..., None])[..., 0]
+        own = white * tau[:, 0] + (weights * (tau - memory)).sum(axis=-1)
+        return now * cross, now**2 * own
+
+
+def _outer(x: Array, y: Array) -> Array:
+    return x[..., :, None] * y[..., None, :]
+
+
+def covariance_variances(vehicle: Vehicle, road: Road) -> Array:
+    """Variances (designs, outputs) of all outputs of all designs; `inf` where the road's white velocity reaches one."""
+    variances = []
+    for model, X, infinite in covariance_batches(vehicle, road):
+        Y = model.velocity_form()[2]
+        variance = np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
+        variances.append(np.where(infinite, np.inf, np.maximum(variance, 0.0)))
+    return np.concatenate(variances)

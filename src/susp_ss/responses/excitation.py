@@ -1,0 +1,79 @@
+"""How a road excites a vehicle's wheels: independent processes, each met by the front and, later, the rear wheels.
+
+Two tracks split into their mean ``m`` and half difference ``d`` (left is ``m + d``), which are uncorrelated whatever the
+coherence of the tracks; identical tracks and single-track vehicles have a mean alone.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..roads import Road
+from ..vehicles import Vehicle
+
+
+class Process(NamedTuple):
+    """One scalar random process: which wheels it drives at once (``now``) and which a wheelbase later (``later``).
+
+    Its spectrum is ``share + 0.5 * sign * gamma`` times that of one track.
+    """
+
+    now: NDArray[np.float64]
+    later: NDArray[np.float64]
+    share: float
+    sign: int
+
+
+def processes(vehicle: Vehicle, road: Road) -> list[Process]:
+    """Split what the wheels see into independent processes.
+
+    Raises
+    ------
+    ValueError
+        ``road.wheels`` names a wheel that the vehicle does not have.
+    """
+    names = tuple(vehicle.wheels)
+    for name in road.wheels or ():
+        if name not in names or name == "":
+            available = ", ".join(names) or f"none, a {type(vehicle).__name__} has one wheel without a name"
+            raise ValueError(f"Road(wheels=...): no wheel named {name!r}, available: {available}")
+    excited = np.array([road.wheels is None or name in road.wheels for name in names], dtype=float)
+    rear = np.array([road.delay and wheel.axle == 1 for wheel in vehicle.wheels.values()])
+    side = np.array([wheel.side for wheel in vehicle.wheels.values()], dtype=float)
+
+    def process(weights: NDArray, share: float, sign: int) -> Process:
+        return Process(np.where(rear, 0.0, weights), np.where(rear, weights, 0.0), share, sign)
+
+    if road.tracks == "identical" or not side.any():
+        return [process(excited, 1.0, 0)]
+    sign = 1 if road.tracks == "isotropic" else 0
+    return [process(excited, 0.5, sign), process(side * excited, 0.5, -sign)]
+
+
+def delay(vehicle: Vehicle, road: Road) -> Any:
+    """Time in s from the front to the rear wheels, one number or one a design."""
+    return vehicle.wheelbase / road.speed
+
+
+def refuse_unbounded(vehicle: Vehicle, road: Road, warp: NDArray | None) -> None:
+    """Say when the wheels' heights drift apart without bound in the one direction a rigid body cannot follow.
+
+    Raises
+    ------
+    ValueError
+        The warp of the road under the wheels has no finite variance.
+    """
+    if warp is None or road.cutoff > 0.0:
+        return
+    for process in processes(vehicle, road):
+        at_once, later = warp @ process.now, warp @ process.later
+        # Delayed independent tracks leave a difference whose spectrum still diverges from waviness 3 on.
+        diverges = road.waviness >= 3.0 and process.sign == 0 and at_once != 0.0
+        if at_once + later != 0.0 or diverges:
+            raise ValueError(
+                f"the warp of the road under the four wheels has no finite variance ({road.describe()}), so that "
+                "SWS and DTL have none either; pass cutoff > 0, or let both wheels of an axle or of a track see the road"
+            )

@@ -1,0 +1,135 @@
+"""Responses over frequency: transfer functions from the road's height, and spectra of the outputs on a road."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from ..roads import Road
+from ..vehicles import Vehicle
+from ..vehicles.linkage import SecondOrder
+from .excitation import delay, processes
+
+
+def frequency_response(vehicle: Vehicle, frequency: ArrayLike) -> xr.DataArray:
+    """Complex response of every output to the height of the road under every wheel.
+
+    ``H(f) = Y (K - w^2 M + j w C)^-1 (K_in + j w C_in) + ...`` with ``w = 2 pi f``, solved relative to the road so that
+    small deflections at low frequency keep all their digits. Outputs that have no state-space model from the road's
+    height (tyre damping, rigid tyre) are included.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Parameters may be arrays.
+    frequency : array_like, (F,)
+        Hz, > 0.
+
+    Returns
+    -------
+    xarray.DataArray
+        On (sweep..., output, input, frequency); outputs and inputs named as in ``vehicle.state_space()``, in output
+        unit per metre.
+
+    Raises
+    ------
+    ValueError
+        ``frequency`` is not a finite, positive, non-empty row of numbers.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss import QuarterCar, frequency_response
+    >>> H = frequency_response(QuarterCar(), np.array([0.01, 1.0, 10.0]))
+    >>> H.sel(output="sws", input="z_r").dims
+    ('frequency',)
+    """
+    f = checked_frequency(frequency)
+    sweep = vehicle.sweep()
+    model = vehicle.flattened(sweep).assemble()
+    count = len(model.outputs) - len(model.corners)
+    omega = 2.0 * np.pi * f
+    H = 1j * omega[:, None, None] * model.transfer(omega)
+    H = np.broadcast_to(np.moveaxis(H, -3, -1)[..., :count, :, :], (sweep.size, count, len(model.inputs), len(f)))
+    labels = {"output": list(model.outputs[:count]), "input": list(model.inputs), "frequency": f}
+    result = sweep.unflatten(H, ("output", "input", "frequency"), labels).rename("frequency_response")
+    result.frequency.attrs["units"] = "Hz"
+    return result
+
+
+def psd(vehicle: Vehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
+    """One-sided spectrum of every output on a random road.
+
+    ``S_y(f) = sum over processes |H(f) (b_now + b_later e^(-j w tau))|^2 G(f)``, the processes being the mean and the
+    half difference of the two tracks.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Parameters may be arrays.
+    road : Road
+        Any waviness, any tracks.
+    frequency : array_like, (F,)
+        Hz, > 0.
+
+    Returns
+    -------
+    xarray.DataArray
+        On (sweep..., output, frequency), in output unit squared per Hz.
+
+    Raises
+    ------
+    ValueError
+        ``frequency`` is not a finite, positive, non-empty row of numbers, or a wheel of the road is unknown.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss import QuarterCar, Road, psd
+    >>> S = psd(QuarterCar(), Road(), np.geomspace(0.1, 30.0, 200))
+    >>> peak = S.sel(output="bacc").frequency[S.sel(output="bacc").argmax()]
+    >>> 0.5 < float(peak) < 15.0
+    True
+    """
+    f = checked_frequency(frequency)
+    sweep = vehicle.sweep()
+    flat = vehicle.flattened(sweep)
+    model = flat.assemble()
+    count = len(model.outputs) - len(model.corners)
+    S = np.moveaxis(output_density(flat, model, road, f), -2, -1)[..., :count, :]
+    S = np.broadcast_to(S, (sweep.size, count, len(f)))
+    labels = {"output": list(model.outputs[:count]), "frequency": f}
+    result = sweep.unflatten(S, ("output", "frequency"), labels).rename("psd")
+    result.frequency.attrs["units"] = "Hz"
+    return result
+
+
+def output_density(vehicle: Vehicle, model: SecondOrder, road: Road, f: NDArray) -> NDArray:
+    """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs)."""
+    omega = 2.0 * np.pi * f
+    H = model.transfer(omega)
+    lag = np.exp(-1j * omega * np.asarray(delay(vehicle, road))[..., None])
+    width = np.asarray(vehicle.track_width)[..., None]
+    velocity = omega**2 * road.psd(f / road.speed) / road.speed
+    total = np.zeros(H.shape[:-1])
+    for process in processes(vehicle, road):
+        share: Any = process.share
+        if process.sign:
+            share = share + 0.5 * process.sign * road.coherence(f / road.speed, width)
+        y = H @ process.now + lag[..., None] * (H @ process.later)
+        total += np.abs(y) ** 2 * (share * velocity)[..., None]
+    return total
+
+
+def checked_frequency(frequency: ArrayLike) -> NDArray[np.float64]:
+    values = np.asarray(frequency)
+    if values.dtype.kind not in "iuf":
+        raise TypeError(f"frequency must be numbers in Hz, got {frequency!r}")
+    if values.ndim != 1 or values.size == 0:
+        raise ValueError(f"frequency must be one non-empty row of Hz, got shape {values.shape}")
+    if not (np.isfinite(values) & (values > 0.0)).all():
+        raise ValueError(f"frequency must be finite and > 0 Hz, got {values[~(np.isfinite(values) & (values > 0))][0]}")
+    return values.astype(float)

@@ -1,0 +1,142 @@
+"""The Lyapunov equation of a second-order system, solved in its own structure.
+
+``p' = v + ...``, ``v' = -K p - C v + ...`` with K and C symmetric (mass-normalised), stacks of (N, n, n). First-order
+vectors are stacks (N, 2n, k) with the positions above the velocities. Nothing here loops over designs.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Taylor steps of h with rate * h <= 4: rounding costs less than two digits, and 4^32 / 32! is below it.
+TAYLOR_REACH = 4.0
+TAYLOR_TERMS = 32
+
+
+class Dynamics:
+    """Mass-normalised free dynamics ``x' = A x``, ``A = [[0, I], [-K, -C]]``, for N designs at once."""
+
+    def __init__(self, K: Array, C: Array):
+        self.K, self.C = K, C
+        self.n = K.shape[-1]
+
+    def apply(self, x: Array) -> Array:
+        """``A x``."""
+        p, v = x[:, : self.n], x[:, self.n :]
+        return np.concatenate([v, -(self.K @ p) - self.C @ v], axis=1)
+
+    def solve(self, x: Array) -> Array:
+        """``A^-1 x``."""
+        a, b = x[:, : self.n], x[:, self.n :]
+        return np.concatenate([-np.linalg.solve(self.K, b + self.C @ a), a], axis=1)
+
+    def resolvent(self, alpha: Array, x: Array) -> Array:
+        """``(alpha I - A)^-1 x`` for alpha > 0, (N,)."""
+        a, b = x[:, : self.n], x[:, self.n :]
+        shift = alpha[:, None, None]
+        inner = self.C + shift * np.eye(self.n)
+        p = np.linalg.solve(self.K + shift * inner, b + inner @ a)
+        return np.concatenate([p, shift * p - a], axis=1)
+
+    def fastest(self) -> Array:
+        """An upper bound on the modulus of the eigenvalues of A, (N,)."""
+        damping = 0.5 * np.linalg.norm(self.C, ord=np.inf, axis=(-2, -1))
+        return damping + np.sqrt(damping**2 + np.linalg.norm(self.K, ord=np.inf, axis=(-2, -1)))
+
+    def propagate(self, b: Array, tau: Array, alphas: Array) -> tuple[Array, Array]:
+        """Carry ``b`` over the delay, freely and under decaying forcing.
+
+        Parameters
+        ----------
+        b : ndarray, (N, 2n)
+        tau : ndarray, (N,)
+        alphas : ndarray, (N, J)
+            Rates of the forcing, possibly none.
+
+        Returns
+        -------
+        free : ndarray, (N, 2n)
+            ``e^(A tau) b``.
+        forced : ndarray, (N, 2n, J)
+            ``int_0^tau e^(A (tau - s)) b e^(-alpha s) ds``.
+        """
+        N, J = alphas.shape
+        forcing = np.concatenate([np.zeros((N, 1)), np.ones((N, J))], axis=1)
+        rates = np.concatenate([np.zeros((N, 1)), alphas], axis=1)
+        x = np.concatenate([b[:, :, None], np.zeros((N, b.shape[1], J))], axis=2)
+        reach = np.maximum(self.fastest(), rates.max(axis=1)) * tau
+        steps = max(1, int(np.ceil(reach.max() / TAYLOR_REACH)))
+        h = (tau / steps)[:, None, None]
+        for _ in range(steps):
+            term, drive, total = x, forcing[:, None, :], x
+            for k in range(1, TAYLOR_TERMS + 1):
+                term = (h / k) * (self.apply(term) + b[:, :, None] * drive)
+                drive = -(h / k) * rates[:, None, :] * drive
+                total = total + term
+            x, forcing = total, forcing * np.exp(-h[:, 0] * rates)
+        return x[:, :, 0], x[:, :, 1:]
+
+    def lyapunov(self, Q: Array) -> Array:
+        """Solve ``A X + X A^T + Q = 0`` for symmetric Q (N, 2n, 2n); every design must be asymptotically stable.
+
+        With ``X = [[P, S], [S^T, V]]`` the position block gives ``S = W - Q_pp / 2`` with W skew, the mixed
+        block ``V = P K + S C - Q_pv``, and what remains are n^2 equations in the n^2 numbers of P and W: V must be
+        symmetric, and ``sym(K S + C V) = Q_vv / 2``. They are solved with one step of refinement, in a time unit that
+        makes the stiffness of order one.
+        """
+        n = self.n
+        unit = np.sqrt(np.trace(self.K, axis1=-2, axis2=-1) / n)[:, None, None]
+        K, C = self.K / unit**2, self.C / unit
+        Qpp, Qpv, Qvv = Q[:, :n, :n] / unit, Q[:, :n, n:] / unit**2, Q[:, n:, n:] / unit**3
+        symmetric, skew = _basis(n)
+
+        def blocks(P: Array, W: Array) -> Array:
+            """Left-hand sides of the n^2 equations for stacks of symmetric P and skew W, in one square each."""
+            left = _left(C, W), _left(K, W)
+            V = _transpose(_left(K, P) - left[0])
+            return (V - _transpose(V)) + _symmetrised(left[1] + _left(C, V))
+
+        L = blocks(symmetric, skew).reshape(len(K), n * n, n * n)
+        V0 = -0.5 * Qpp @ C - Qpv
+        known = (V0 - _transpose(V0)) + _symmetrised(-0.5 * K @ Qpp + C @ V0)
+        right = (Qvv - known).reshape(len(K), n * n)
+
+        inverse = np.linalg.inv(L)
+        y = (right[:, None] @ inverse)[:, 0]
+        y += ((right - (y[:, None] @ L)[:, 0])[:, None] @ inverse)[:, 0]
+        P, W = (y @ basis.reshape(n * n, n * n) for basis in (symmetric, skew))
+        P, W = P.reshape(-1, n, n), W.reshape(-1, n, n)
+
+        S = W - 0.5 * Qpp
+        V = P @ K + S @ C - Qpv
+        V = 0.5 * (V + _transpose(V))
+        X = np.empty_like(Q)
+        X[:, :n, :n], X[:, n:, n:] = P, V * unit**2
+        X[:, :n, n:], X[:, n:, :n] = S * unit, _transpose(S) * unit
+        return X
+
+
+@cache
+def _basis(n: int) -> tuple[Array, Array]:
+    """A matrix of unknowns split into its symmetric and its skew part, one basis matrix an entry, (n^2, n, n)."""
+    unit = np.eye(n * n).reshape(n * n, n, n)
+    return 0.5 * (unit + _transpose(unit)), 0.5 * (unit - _transpose(unit))
+
+
+def _left(matrix: Array, stack: Any) -> Array:
+    """``matrix @ each`` of a stack (m, n, n), or of a stack for each design, as (N, m, n, n)."""
+    return matrix[:, None] @ stack
+
+
+def _transpose(stack: Array) -> Array:
+    return np.swapaxes(stack, -1, -2)
+
+
+def _symmetrised(stack: Array) -> Array:
+    return stack + _transpose(stack)

@@ -1,0 +1,174 @@
+"""Responses over time, through python-control's ``forced_response``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+from rich.console import Console
+from rich.progress import track
+
+from ..roads import Road, synthesise
+from ..vehicles import Vehicle
+from ..vehicles.linkage import SecondOrder
+from .excitation import delay, processes, refuse_unbounded
+from .labels import labelled_outputs
+
+Array = NDArray[np.float64]
+
+
+def simulate(vehicle: Vehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
+    """Drive a vehicle over given road heights.
+
+    The heights are taken as linear between samples and the states advance exactly (`control.forced_response`). The
+    vehicle starts at rest in static equilibrium on the first heights. Outputs that need the road's velocity (tyre
+    damping, rigid tyre) take it from the heights by central differences.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One number for every parameter.
+    profile : array_like, (wheels, T), or mapping of wheel to (T,)
+        Road heights in m under each wheel, in the order of ``vehicle.wheels``; (T,) for a quarter car, or
+        one row for all wheels at once.
+    time : array_like, (T,)
+        Evenly spaced instants in s.
+
+    Returns
+    -------
+    xarray.Dataset
+        On time, with the variables and dims of `ride_metrics`: ``bacc`` on point, ``sws``, ``dtl`` and the momentary
+        ``damper_power`` on corner, ``pitch_acc`` and ``roll_acc``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Parameters that are arrays, times that are not evenly spaced, heights of the wrong shape or not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss import QuarterCar, simulate
+    >>> time = np.arange(0.0, 3.0, 0.005)
+    >>> kerb = np.where(time > 0.5, 0.05, 0.0)
+    >>> response = simulate(QuarterCar(), kerb, time)
+    >>> bool(abs(response.sws[-1]) < 1e-3)
+    True
+    """
+    model = vehicle._single("simulate()")
+    t = _checked_time(time)
+    z = _checked_profile(profile, tuple(vehicle.wheels), len(t))
+    y = _outputs(model, z, t)
+    rate = y[-len(model.corners) :]
+    power = model.damping[:, None] * rate**2
+    history = labelled_outputs(model, y[None], power[None], vehicle.sweep(), ("time",), {"time": t})
+    history.time.attrs["units"] = "s"
+    return history
+
+
+def _outputs(model: SecondOrder, z: Array, t: Array) -> Array:
+    """All outputs (outputs, T) on road heights (inputs, T), from static equilibrium on the first."""
+    import control
+
+    A, B, Y, D, D1 = (x.reshape(x.shape[-2:]) for x in model.displacement_form())
+    states = control.ss(A, B, np.eye(len(A)), np.zeros(B.shape))
+    x0 = np.linalg.solve(A, -B @ z[:, 0])
+    x = np.asarray(control.forced_response(states, t, z, x0).states)
+    y = Y @ x + D @ z
+    return y + D1 @ np.gradient(z, t[1] - t[0], axis=1) if np.any(D1) else y
+
+
+def time_variances(
+    vehicle: Vehicle, road: Road, duration: float, step: float, seed: int
+) -> tuple[Array, Array]:
+    """Mean squares (designs, outputs) over a synthesised record, and their standard errors.
+
+    The record is periodic and starts after the vehicle has forgotten its initial state, so that the mean square is the
+    sum of the powers of its harmonics, independent with variance equal to their square: the error follows from the
+    record itself, ``var = sum P_k^2 / 2``.
+    """
+    for name, value in (("duration", duration), ("step", step)):
+        if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+            raise TypeError(f"{name} must be a number > 0 s, got {value!r}")
+        if not (np.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} must be > 0 s and finite, got {value!r}")
+    if duration < 100 * step:
+        raise ValueError(f"duration must be at least 100 steps of {step} s, got {duration} s")
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
+        raise TypeError(f"seed must be a whole number >= 0, got {seed!r}")
+    sweep = vehicle.sweep()
+    flat = vehicle.flattened(sweep)
+    designs = track(range(sweep.size), "simulating", console=Console(stderr=True), disable=sweep.size == 1)
+    pairs = [_mean_squares(flat.designs(slice(i, i + 1)), road, duration, step, seed) for i in designs]
+    squares, errors = zip(*pairs, strict=True)
+    return np.stack(squares), np.stack(errors)
+
+
+def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, seed: int) -> tuple[Array, Array]:
+    model = vehicle.assemble()
+    if model.unstable().any():
+        raise ValueError(
+            f"{type(vehicle).__name__} has an undamped mode, so that no stationary response exists; pass cs > 0"
+        )
+    refuse_unbounded(vehicle, road, model.warp)
+    excited = processes(vehicle, road)
+    tau = float(delay(vehicle, road)) if any(process.later.any() for process in excited) else 0.0
+    if tau:
+        step = tau / np.ceil(tau / step)
+    z = synthesise(
+        road,
+        duration,
+        step,
+        sides=[wheel.side for wheel in vehicle.wheels.values()],
+        delays=[tau * wheel.axle for wheel in vehicle.wheels.values()],
+        track_width=float(vehicle.track_width),
+        seed=seed,
+    )
+    z *= (sum(np.abs(process.now + process.later) for process in excited) > 0.0)[:, None]
+    period = z.shape[1]
+    forget = 8.0 / np.abs(np.linalg.eigvals(model.A).real).min()
+    lead = int(np.ceil(forget / step))
+    z = np.take(z, np.arange(-lead, period), axis=1, mode="wrap")
+    y = _outputs(model, z, step * np.arange(lead + period))[:, lead:]
+
+    power = 2.0 * np.abs(np.fft.rfft(y, axis=1) / period) ** 2
+    power[:, 0] *= 0.5
+    power[:, -1] *= 0.5
+    squares, errors = power.sum(axis=1), np.sqrt(0.5 * (power**2).sum(axis=1))
+    if road.waviness <= 3.0:
+        wheels = np.stack([process.now + process.later for process in excited], axis=-1)
+        squares[np.any(model.on_road_velocity @ wheels != 0.0, axis=-1)] = np.inf
+    return squares, errors
+
+
+def _checked_time(time: ArrayLike) -> Array:
+    t = np.asarray(time)
+    if t.dtype.kind not in "iuf":
+        raise TypeError(f"time must be numbers in s, got {time!r}")
+    t = t.astype(float)
+    if t.ndim != 1 or len(t) < 2 or not np.isfinite(t).all():
+        raise ValueError(f"time must be one row of at least two finite instants in s, got shape {t.shape}")
+    steps = np.diff(t)
+    if steps[0] <= 0.0 or np.ptp(steps) > 1e-6 * steps[0]:
+        raise ValueError(f"time must rise in even steps, got steps from {steps.min():g} to {steps.max():g} s")
+    return t
+
+
+def _checked_profile(profile: Any, wheels: tuple[str, ...], samples: int) -> Array:
+    if isinstance(profile, Mapping):
+        if set(profile) != set(wheels):
+            raise ValueError(f"profile must have the wheels {', '.join(wheels)}, got {', '.join(map(str, profile))}")
+        profile = np.stack([np.asarray(profile[name]) for name in wheels])
+    z = np.asarray(profile)
+    if z.dtype.kind not in "iuf":
+        raise TypeError(f"profile must be road heights in m, got {profile!r}")
+    if z.ndim == 1:
+        z = np.broadcast_to(z, (len(wheels), len(z)))
+    if z.shape != (len(wheels), samples):
+        raise ValueError(f"profile must have shape {(len(wheels), samples)} (wheels, time), got {np.shape(profile)}")
+    if not np.isfinite(z).all():
+        raise ValueError("profile must be finite, got NaN or inf")
+    return z.astype(float)

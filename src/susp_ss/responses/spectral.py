@@ -1,0 +1,69 @@
+"""Variances by integrating spectra: any waviness and any coherence, one design at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import cubature
+
+from ..roads import Road
+from ..vehicles import Vehicle
+from .excitation import processes, refuse_unbounded
+from .frequency import output_density
+
+# The integral runs over log frequency, where algebraic ends become exponential. Slowly decaying spectra (waviness close
+# to 1 or to 3) need ends this far out; the integrand costs nothing there.
+LOWEST, HIGHEST = 1e-60, 1e60
+
+# Relative to each variance, but no finer than to what the wheels would give alone, where their effects cancel.
+RELATIVE, CANCELLED = 1e-7, 1e-12
+
+
+def spectral_variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
+    """Integrate ``S_y(f) df`` over all frequencies: variances (designs, outputs) of all outputs of all designs.
+
+    Adaptive Gauss-Kronrod cubature in log frequency with breaks at the resonances. An output that passes the road's
+    velocity straight on has no finite variance unless the waviness exceeds 3.
+    """
+    sweep = vehicle.sweep()
+    flat = vehicle.flattened(sweep)
+    return np.stack([_variances(flat.designs(slice(i, i + 1)), road) for i in range(sweep.size)])
+
+
+def _variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
+    model = vehicle.assemble()
+    if model.unstable().any():
+        raise ValueError(
+            f"{type(vehicle).__name__} has an undamped mode, so that no stationary response exists; pass cs > 0"
+        )
+    refuse_unbounded(vehicle, road, model.warp)
+    infinite = np.zeros(len(model.outputs), dtype=bool)
+    if road.waviness <= 3.0:
+        for process in processes(vehicle, road):
+            reached = model.on_road_velocity @ np.stack([process.now, process.later], axis=-1)
+            infinite |= np.any(reached != 0.0, axis=-1).reshape(-1)
+
+    span = np.geomspace(1e-3, 1e3, 1000)
+    density = np.sum(np.abs(model.transfer(2.0 * np.pi * span)) ** 2, axis=-1) * road.intensity
+    scale = np.trapezoid(density, span, axis=-2).reshape(-1)
+
+    def integrand(u: NDArray) -> NDArray:
+        f = np.exp(u[:, 0])
+        density = output_density(vehicle, model, road, f).reshape(len(f), -1)
+        return np.where(infinite, 0.0, density) * f[:, None] / scale
+
+    eigenvalues = np.linalg.eigvals(model.A)
+    resonances = np.unique(np.log(np.abs(eigenvalues) / (2.0 * np.pi)).round(6))
+    result = cubature(
+        integrand,
+        [np.log(LOWEST)],
+        [np.log(HIGHEST)],
+        rule="gk21",
+        rtol=RELATIVE,
+        atol=CANCELLED,
+        max_subdivisions=20000,
+        points=[np.array([u]) for u in resonances],
+    )
+    if result.status != "converged" and np.any(result.error > 1e-6 * np.abs(result.estimate) + CANCELLED):
+        raise ValueError(f"{type(vehicle).__name__}: the spectral integral did not converge; raise the damping")
+    return np.where(infinite, np.inf, scale * result.estimate)

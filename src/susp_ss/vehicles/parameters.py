@@ -1,0 +1,128 @@
+"""Parameters of a vehicle: checked numbers, arrays or DataArrays, one value or one a corner, and their sweep."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+
+def parameter(default: Any, unit: str, meaning: str, zero: bool = False) -> Any:
+    """Declare a dataclass field with its unit and bound; ``zero=True`` admits zero."""
+    return dataclasses.field(default=default, metadata={"unit": unit, "meaning": meaning, "zero": zero})
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Corners:
+    """One parameter at each corner of a car.
+
+    Parameters
+    ----------
+    fr, fl, rr, rl : float, array or xarray.DataArray
+        Front right, front left, rear right, rear left, in the parameter's own unit.
+
+    Examples
+    --------
+    >>> from susp_ss import Corners, FullCar
+    >>> car = FullCar(ks=Corners.axles(front=18e3, rear=21e3))
+    >>> car.ks.rl
+    21000.0
+    """
+
+    fr: Any
+    fl: Any
+    rr: Any
+    rl: Any
+
+    @classmethod
+    def axles(cls, *, front: Any, rear: Any) -> Corners:
+        """Give both wheels of an axle the same value."""
+        return cls(fr=front, fl=front, rr=rear, rl=rear)
+
+    def __iter__(self):
+        return iter((self.fr, self.fl, self.rr, self.rl))
+
+
+def checked(value: Any, where: str, unit: str, zero: bool) -> Any:
+    """Return ``value`` as float, float array or float DataArray, or say what is wrong with it.
+
+    Raises
+    ------
+    TypeError
+        Not a real number, array or DataArray.
+    ValueError
+        Empty, not finite, or below the bound.
+    """
+    need = f"must be {'>=' if zero else '>'} 0{f' {unit}' if unit else ''}"
+    values = value.values if isinstance(value, xr.DataArray) else np.asarray(value)
+    if values.dtype.kind not in "iuf":
+        raise TypeError(f"{where} {need}, got {value!r}; pass a number, an array or an xarray.DataArray")
+    if values.size == 0:
+        raise ValueError(f"{where} {need}, got an empty array")
+    values = values.astype(float)
+    bad = ~(np.isfinite(values) & (values >= 0.0 if zero else values > 0.0))
+    if bad.any():
+        index = np.unravel_index(np.argmax(bad), bad.shape)
+        dims = value.dims if isinstance(value, xr.DataArray) else design_dims(values.ndim)
+        place = ", ".join(f"{dim}={i}" for dim, i in zip(dims, index, strict=True))
+        raise ValueError(f"{where} {need}, got {values[index]}" + (f" at ({place})" if place else ""))
+    if isinstance(value, xr.DataArray):
+        return value.astype(float)
+    return values if values.ndim else float(values)
+
+
+def design_dims(ndim: int) -> tuple[str, ...]:
+    """Dimension names of plain arrays: ``design``, or ``design_0, design_1, ...`` of a grid."""
+    return ("design",) if ndim == 1 else tuple(f"design_{i}" for i in range(ndim))
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """The designs that a vehicle's array parameters span, in row-major order."""
+
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+    coords: dict[str, Any]
+    _template: xr.DataArray
+
+    @classmethod
+    def over(cls, values: Iterable[Any], where: str) -> Sweep:
+        """Broadcast DataArrays by dimension name and plain arrays as numpy does."""
+        values = list(values)
+        labelled = [x for x in values if isinstance(x, xr.DataArray)]
+        plain = [x for x in values if isinstance(x, np.ndarray)]
+        try:
+            shape = np.broadcast_shapes(*(x.shape for x in plain))
+            if shape:
+                labelled.append(xr.DataArray(np.empty(shape), dims=design_dims(len(shape))))
+            aligned = xr.broadcast(*xr.align(*labelled, join="exact", copy=False))
+        except ValueError as error:
+            sizes = [dict(x.sizes) if isinstance(x, xr.DataArray) else x.shape for x in labelled + plain]
+            raise ValueError(f"{where} has parameters that do not broadcast: sizes {sizes}; {error}") from None
+        template = aligned[0] if aligned else xr.DataArray(0.0)
+        coords = {str(name): coord for name, coord in template.coords.items() if name in template.dims}
+        return cls(tuple(map(str, template.dims)), template.shape, coords, template)
+
+    @property
+    def size(self) -> int:
+        return int(np.prod(self.shape, dtype=int))
+
+    def flat(self, value: Any) -> float | NDArray[np.float64]:
+        """One number, or one for each design."""
+        if isinstance(value, float):
+            return value
+        if isinstance(value, np.ndarray):
+            shape = tuple(self._template.sizes[dim] for dim in self.dims if dim.startswith("design"))
+            value = xr.DataArray(np.broadcast_to(value, shape), dims=design_dims(len(shape)))
+        values = value.broadcast_like(self._template).transpose(*self.dims).values
+        return values.reshape(-1)
+
+    def unflatten(self, values: NDArray, dims: tuple[str, ...] = (), coords: dict | None = None) -> xr.DataArray:
+        """Give results of shape (designs, ...) their labels."""
+        shaped = values.reshape((*self.shape, *values.shape[1:]))
+        return xr.DataArray(shaped, dims=(*self.dims, *dims), coords={**self.coords, **(coords or {})})

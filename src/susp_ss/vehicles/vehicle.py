@@ -1,0 +1,236 @@
+"""What every vehicle can do: check its parameters, assemble, and become a python-control system."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .linkage import Linkage, SecondOrder, signal
+from .parameters import Corners, Sweep, checked
+
+if TYPE_CHECKING:
+    import control
+    import pandas as pd
+
+
+class Wheel(NamedTuple):
+    """Where a wheel runs: ``axle`` 0 in front, 1 behind; ``side`` -1 right, +1 left, 0 on the centre line."""
+
+    axle: int
+    side: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Vehicle:
+    """A linear vehicle on its wheels: frozen parameters, each a number, an array or a DataArray."""
+
+    wheels: ClassVar[dict[str, Wheel]]
+    per_corner: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            object.__setattr__(self, field.name, self._checked(field))
+        Sweep.over(self._leaves(), type(self).__name__)
+
+    def _checked(self, field: dataclasses.Field) -> Any:
+        value = getattr(self, field.name)
+        where = f"{type(self).__name__}({field.name}=...)"
+        rule = {"unit": field.metadata["unit"], "zero": field.metadata["zero"]}
+        if isinstance(value, Corners) and field.name in self.per_corner and len(self.wheels) == 4:
+            parts = zip(Corners.__dataclass_fields__, value, strict=True)
+            return Corners(**{name: checked(part, f"{where} at corner {name}", **rule) for name, part in parts})
+        if isinstance(value, tuple) and field.name in self.per_corner:
+            if len(self.wheels) != 2 or len(value) != 2:
+                raise ValueError(
+                    f"{where} got the tuple {value!r}; pass one value, or "
+                    + ("(first, second)" if len(self.wheels) == 2 else "Corners(fr=, fl=, rr=, rl=)")
+                )
+            return tuple(
+                checked(part, f"{where} at end {name}", **rule)
+                for name, part in zip(self.wheels, value, strict=True)
+            )
+        return checked(value, where, **rule)
+
+    def _leaves(self) -> list[Any]:
+        """Every parameter value, those of the corners one by one."""
+        values = [getattr(self, field.name) for field in dataclasses.fields(self)]
+        return [leaf for x in values for leaf in (x if isinstance(x, (Corners, tuple)) else (x,))]
+
+    def _at_corners(self, name: str) -> tuple[Any, ...]:
+        value = getattr(self, name)
+        return tuple(value) if isinstance(value, (Corners, tuple)) else (value,) * len(self.wheels)
+
+    def _linkage(self) -> Linkage:
+        raise NotImplementedError
+
+    @property
+    def wheelbase(self) -> Any:
+        """Distance between the axles in m; 0 for a vehicle with one."""
+        return getattr(self, "a", 0.0) + getattr(self, "b", 0.0)
+
+    @property
+    def track_width(self) -> Any:
+        """Distance between left and right wheels in m, ``2 c``; 0 for a single-track vehicle."""
+        return 2.0 * getattr(self, "c", 0.0)
+
+    def sweep(self) -> Sweep:
+        """The designs that this vehicle's parameters span."""
+        return Sweep.over(self._leaves(), type(self).__name__)
+
+    def flattened(self, sweep: Sweep) -> Self:
+        """The same designs in one row: every parameter a number, or an array over the designs."""
+        names = [field.name for field in dataclasses.fields(self)]
+        return self._map(names, sweep.flat)
+
+    def designs(self, chosen: slice) -> Self:
+        """Some of the designs of a flattened vehicle."""
+        names = [field.name for field in dataclasses.fields(self)]
+        return self._map(names, lambda x: x[chosen] if isinstance(x, np.ndarray) else x)
+
+    def _map(self, names: list[str], function: Any) -> Self:
+        values = {}
+        for name in names:
+            value = getattr(self, name)
+            if isinstance(value, Corners):
+                values[name] = Corners(**{k: function(getattr(value, k)) for k in Corners.__dataclass_fields__})
+            elif isinstance(value, tuple):
+                values[name] = tuple(function(part) for part in value)
+            else:
+                values[name] = function(value)
+        # The parts were checked when this vehicle was made.
+        mapped = object.__new__(type(self))
+        for name, value in values.items():
+            object.__setattr__(mapped, name, value)
+        return mapped
+
+    def assemble(self) -> SecondOrder:
+        """Matrices of the second-order model, stacked over the designs of a flattened vehicle."""
+        return self._linkage().assemble()
+
+    def _single(self, what: str) -> SecondOrder:
+        if any(not isinstance(leaf, float) for leaf in self._leaves()):
+            raise ValueError(f"{type(self).__name__}.{what} needs one number for every parameter, got arrays")
+        return self.assemble()
+
+    def state_space(
+        self, input: Literal["displacement", "velocity"] = "displacement", actuators: bool = False
+    ) -> control.StateSpace:
+        """Return the vehicle as a python-control system with named signals.
+
+        Parameters
+        ----------
+        input : {"displacement", "velocity"}
+            What the road gives: heights ``z_r...`` (m), with states ``(q, q')``; or their rates ``dz_r...`` (m/s),
+            with states ``p = q - G z_r`` relative to the road (names ``p_...``), velocities, and for the full
+            car the ``warp`` of the road, the one direction in which a rigid body cannot follow it.
+        actuators : bool
+            Add force inputs ``u...`` (N) between wheel and body, positive pushing the body up, and the suspension
+            velocities ``dsws...`` (m/s) as outputs.
+
+        Returns
+        -------
+        control.StateSpace
+            Outputs ``bacc...`` (m/s^2), ``pitch_acc``, ``roll_acc`` (rad/s^2), ``sws...`` (m), ``dtl...`` (N).
+
+        Raises
+        ------
+        ValueError
+            A parameter is an array, ``input`` is unknown, or an output needs the derivative of the input.
+
+        Examples
+        --------
+        >>> import control as ct
+        >>> from susp_ss import QuarterCar
+        >>> system = QuarterCar().state_space()
+        >>> system.nstates, system.input_labels, system.output_labels
+        (4, ['z_r'], ['bacc', 'sws', 'dtl'])
+        >>> bool(abs(ct.dcgain(system["sws", "z_r"])) < 1e-12)
+        True
+        """
+        import control
+
+        if input not in ("displacement", "velocity"):
+            raise ValueError(f"input must be 'displacement' or 'velocity', got {input!r}")
+        model = self._single("state_space()")
+        last = len(model.outputs) if actuators else len(model.outputs) - len(model.corners)
+        outputs = model.outputs[:last]
+        if input == "velocity":
+            A, B, Y, D = model.velocity_form()
+            states, inputs = model.relative_states, tuple(f"d{name}" for name in model.inputs)
+        else:
+            A, B, Y, D, D1 = model.displacement_form()
+            improper = [name for name, row in zip(outputs, D1, strict=False) if np.any(row != 0.0)]
+            if improper:
+                raise ValueError(
+                    f"{', '.join(improper)} need the velocity of the road, so that no state space from its "
+                    'displacement exists; pass input="velocity"'
+                )
+            states = model.coordinates + tuple(f"d{name}" for name in model.coordinates)
+            inputs = model.inputs
+        if actuators:
+            push = -model.minv * model.R[model.strut].T
+            B_u = np.zeros((len(A), len(model.corners)))
+            B_u[len(push) : 2 * len(push)] = push
+            B, D = np.hstack([B, B_u]), np.hstack([D, model.acceleration @ push])
+            inputs = inputs + tuple(signal("u", corner) for corner in model.corners)
+        return control.ss(
+            A, B, Y[:last], D[:last], states=states, inputs=inputs, outputs=outputs, name=type(self).__name__
+        )
+
+    def natural_frequencies(self) -> NDArray[np.float64]:
+        """Undamped natural frequencies in Hz, ascending, (n,) or (designs..., n).
+
+        Roots of ``det(K - (2 pi f)^2 M) = 0``.
+
+        Examples
+        --------
+        >>> from susp_ss import QuarterCar
+        >>> QuarterCar().natural_frequencies().round(2)
+        array([ 1.16, 10.84])
+        """
+        sweep = self.sweep()
+        model = self.flattened(sweep).assemble()
+        root = np.sqrt(model.m)
+        eigenvalues = np.linalg.eigvalsh(model.K / (root[..., :, None] * root[..., None, :]))
+        frequencies = np.sqrt(eigenvalues) / (2.0 * np.pi)
+        return np.broadcast_to(frequencies, (sweep.size, root.shape[-1])).reshape(*sweep.shape, -1)
+
+    def modes(self) -> pd.DataFrame:
+        """Damped modes, slowest first.
+
+        Returns
+        -------
+        pandas.DataFrame
+            ``frequency`` (Hz, modulus of the eigenvalue over 2 pi), ``damping_ratio``, and ``shape``: a pandas
+            Series of complex amplitudes by coordinate, the largest scaled to 1. An overdamped mode splits into
+            two rows of damping ratio 1.
+
+        Examples
+        --------
+        >>> from susp_ss import FullCar
+        >>> modes = FullCar().modes()
+        >>> modes["frequency"].round(2).tolist()
+        [1.16, 1.36, 1.71, 10.84, 10.85, 10.85, 10.86]
+        >>> modes["shape"][0].abs().idxmax()
+        'z_b'
+        """
+        import pandas as pd
+
+        model = self._single("modes()")
+        n = len(model.coordinates)
+        eigenvalues, vectors = np.linalg.eig(model.A)
+        keep = np.flatnonzero(eigenvalues.imag >= 0.0)
+        keep = keep[np.argsort(np.abs(eigenvalues[keep]))]
+        shapes = vectors[:n, keep] / vectors[np.argmax(np.abs(vectors[:n, keep]), axis=0), keep]
+        poles = eigenvalues[keep]
+        return pd.DataFrame(
+            {
+                "frequency": np.abs(poles) / (2.0 * np.pi),
+                "damping_ratio": -poles.real / np.abs(poles),
+                "shape": [pd.Series(shape, index=model.coordinates) for shape in shapes.T],
+            }
+        )
