@@ -9,7 +9,7 @@ Examples
 >>> car = ss.QuarterCar(ks=18e3, cs=1500.0)
 >>> metrics = ss.ride_metrics(car, ss.Road.iso8608("B", speed=20.0))
 >>> round(float(metrics.bacc), 3)
-1.141
+0.678
 """
 
 import lazy_loader
@@ -19,7 +19,14 @@ __version__ = "0.1.0"
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
-        "vehicles": ["Corners", "FullCar", "PitchHalfCar", "QuarterCar", "RigidTyreQuarterCar", "RollHalfCar"],
+        "vehicles": [
+            "Corners",
+            "FullCar",
+            "PitchHalfCar",
+            "QuarterCar",
+            "RigidTyreQuarterCar",
+            "RollHalfCar",
+        ],
         "roads": ["Road"],
         "responses": ["covariance", "frequency_response", "psd", "simulate"],
         "metrics": ["Response", "ride_metrics"],

@@ -6,8 +6,8 @@ own term to the right-hand side of one equation ``A X + X A^T + Q = 0``. For a p
 and, after tau, the rear by ``B_r``, with ``e = e^(A tau) B_f``:
 
 - white of intensity q: ``Q = q (B_f B_f^T + B_r B_r^T + e B_r^T + B_r e^T)``;
-- colour of autocorrelation ``s^2 e^(-alpha |t|)``: ``Q = B_f g^T + B_r h^T`` and its transpose, with ``g = E[x u(t)]`` and
-  ``h = E[x u(t - tau)]``.
+- colour of autocorrelation ``s^2 e^(-alpha |t|)``: ``Q = B_f g^T + B_r h^T`` and its transpose, with
+  ``g = E[x u(t)]`` and ``h = E[x u(t - tau)]``.
 
 The full car's warp is the integral of a velocity over the delay and joins by its own closed-form moments.
 """
@@ -24,13 +24,13 @@ from numpy.typing import NDArray
 from ..roads import Road
 from ..vehicles import Vehicle
 from ..vehicles.linkage import SecondOrder
-from .excitation import Process, delay, processes, refuse_unbounded
+from .excitation import Process, check_kinds, delay, infinite_outputs, processes, refuse_unbounded, refuse_undamped
 from .lyapunov import Dynamics
 
 Array = NDArray[np.float64]
 
-# x K_1(x) ~ sum c_i / (1 + (x / x_i)^2) with sum c_i = 1: a least-squares fit with free signs, since the coherence decays
-# exponentially and nonnegative terms cannot come closer than 0.7 %. Metrics then hold to about 1e-4.
+# x K_1(x) ~ sum c_i / (1 + (x / x_i)^2) with sum c_i = 1: a least-squares fit with free signs, since the coherence
+# decays exponentially and nonnegative terms cannot come closer than 0.7 %. Metrics then hold to about 1e-4.
 COHERENCE_RATES = np.array([0.17846, 0.74178, 1.96519, 5.04089, 7.56134])
 COHERENCE_WEIGHTS = np.array([0.029123, 0.294623, 0.931565, -0.350543, 0.095232])
 COHERENCE_WEIGHTS = COHERENCE_WEIGHTS / COHERENCE_WEIGHTS.sum()
@@ -58,8 +58,8 @@ class Moments(NamedTuple):
 def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     """Stationary covariance of the road-relative states.
 
-    Solves ``A X + X A^T + Q = 0`` exactly, the wheelbase delay included, under the assumption that every eigenvalue of A
-    lies in the open left half plane. Every metric is one line on top: ``sqrt(diag(C X C^T))``.
+    Solves ``A X + X A^T + Q = 0`` exactly, the wheelbase delay included, under the assumption that every eigenvalue
+    of A lies in the open left half plane. Every metric is one line on top: ``sqrt(diag(C X C^T))``.
 
     Parameters
     ----------
@@ -90,6 +90,7 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     >>> bool(np.isclose(variance, road.intensity * (car.ms + car.mu) / (2 * car.cs)))
     True
     """
+    check_kinds(vehicle, road)
     batches = list(covariance_batches(vehicle, road))
     states = list(batches[0].model.relative_states)
     X = np.concatenate([moments.X for moments in batches])
@@ -133,12 +134,7 @@ def spectrum(road: Road, process: Process, track_width: Array) -> Spectrum:
 
 def _moments(vehicle: Vehicle, road: Road, N: int) -> Moments:
     model = vehicle.assemble()
-    unstable = np.broadcast_to(model.unstable(), (N,))
-    if unstable.any():
-        raise ValueError(
-            f"{type(vehicle).__name__} has an undamped mode (design {int(np.argmax(unstable))} of its batch), so that no "
-            "stationary response exists; pass cs > 0"
-        )
+    refuse_undamped(vehicle, model)
     refuse_unbounded(vehicle, road, model.warp)
 
     n = len(model.coordinates)
@@ -151,8 +147,8 @@ def _moments(vehicle: Vehicle, road: Road, N: int) -> Moments:
 
     Q = np.zeros((N, 2 * n, 2 * n))
     with_warp, warp_variance = np.zeros((N, 2 * n)), np.zeros(N)
-    infinite = np.zeros((N, len(model.outputs)), dtype=bool)
-    for process in processes(vehicle, road):
+    excited = processes(vehicle, road)
+    for process in excited:
         parts = spectrum(road, process, width)
         response = _Response(dynamics, inputs, process, parts, tau)
         Q += response.right_hand_side()
@@ -160,8 +156,6 @@ def _moments(vehicle: Vehicle, road: Road, N: int) -> Moments:
             cross, own = response.warp(float(model.warp @ process.now), float(model.warp @ process.later))
             with_warp += cross
             warp_variance += own
-        feedthrough = model.on_road_velocity @ np.stack([process.now, process.later], axis=-1)
-        infinite |= np.any(feedthrough != 0.0, axis=-1)
 
     X = dynamics.lyapunov(Q)
     stretch = np.concatenate([1.0 / root, 1.0 / root], axis=-1)
@@ -170,15 +164,13 @@ def _moments(vehicle: Vehicle, road: Road, N: int) -> Moments:
         X = np.pad(X, [(0, 0), (0, 1), (0, 1)])
         X[:, :-1, -1] = X[:, -1, :-1] = stretch * with_warp
         X[:, -1, -1] = warp_variance
-    return Moments(model, X, infinite)
+    return Moments(model, X, infinite_outputs(model, excited, road))
 
 
 class _Response:
     """What one process stirs up: correlations of the state x = (p, v) with the process now and a delay ago."""
 
-    def __init__(
-        self, dynamics: Dynamics, inputs: Array, process: Process, parts: Spectrum, tau: Array
-    ) -> None:
+    def __init__(self, dynamics: Dynamics, inputs: Array, process: Process, parts: Spectrum, tau: Array) -> None:
         N, size = len(tau), inputs.shape[-2]
         self.dynamics, self.parts, self.tau = dynamics, parts, tau
         self.front = np.broadcast_to(inputs @ process.now, (N, size))

@@ -1,7 +1,7 @@
 """How a road excites a vehicle's wheels: independent processes, each met by the front and, later, the rear wheels.
 
-Two tracks split into their mean ``m`` and half difference ``d`` (left is ``m + d``), which are uncorrelated whatever the
-coherence of the tracks; identical tracks and single-track vehicles have a mean alone.
+Two tracks split into their mean ``m`` and half difference ``d`` (left is ``m + d``), which are uncorrelated whatever
+the coherence of the tracks; identical tracks and single-track vehicles have a mean alone.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..roads import Road
 from ..vehicles import Vehicle
+from ..vehicles.linkage import SecondOrder
 
 
 class Process(NamedTuple):
@@ -25,6 +26,21 @@ class Process(NamedTuple):
     later: NDArray[np.float64]
     share: float
     sign: int
+
+
+def check_kinds(vehicle: Any, *roads: Any) -> None:
+    """Say when an argument is no vehicle or no road at all.
+
+    Raises
+    ------
+    TypeError
+        Naming the argument and an example of what it may be.
+    """
+    if not isinstance(vehicle, Vehicle):
+        raise TypeError(f"vehicle must be one of the package's vehicles, such as QuarterCar(), got {vehicle!r}")
+    for road in roads:
+        if not isinstance(road, Road):
+            raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {road!r}")
 
 
 def processes(vehicle: Vehicle, road: Road) -> list[Process]:
@@ -75,5 +91,26 @@ def refuse_unbounded(vehicle: Vehicle, road: Road, warp: NDArray | None) -> None
         if at_once + later != 0.0 or diverges:
             raise ValueError(
                 f"the warp of the road under the four wheels has no finite variance ({road.describe()}), so that "
-                "SWS and DTL have none either; pass cutoff > 0, or let both wheels of an axle or of a track see the road"
+                "SWS and DTL have none either; pass cutoff > 0, or let the road reach whole axles or whole tracks"
             )
+
+
+def refuse_undamped(vehicle: Vehicle, model: SecondOrder) -> None:
+    """Say when a mode of some design is never damped, so that no stationary response exists.
+
+    Raises
+    ------
+    ValueError
+        The model is not asymptotically stable.
+    """
+    if np.any(model.unstable()):
+        raise ValueError(f"{type(vehicle).__name__} has a mode that no damper reaches; pass cs > 0 at every corner")
+
+
+def infinite_outputs(model: SecondOrder, excited: list[Process], road: Road) -> NDArray[np.bool_]:
+    """Outputs (designs..., outputs) that pass the road's velocity straight on, which has no finite variance.
+
+    It has one only where its spectrum falls off at high frequency, from waviness 3 on.
+    """
+    weights = np.stack([side for process in excited for side in (process.now, process.later)], axis=-1)
+    return np.any(model.on_road_velocity @ weights != 0.0, axis=-1) & (road.waviness <= 3.0)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..roads import Road
 from ..vehicles import Vehicle
 from ..vehicles.linkage import SecondOrder
-from .excitation import delay, processes
+from .excitation import check_kinds, delay, processes
 
 
 def frequency_response(vehicle: Vehicle, frequency: ArrayLike) -> xr.DataArray:
@@ -47,6 +47,7 @@ def frequency_response(vehicle: Vehicle, frequency: ArrayLike) -> xr.DataArray:
     >>> H.sel(output="sws", input="z_r").dims
     ('frequency',)
     """
+    check_kinds(vehicle)
     f = checked_frequency(frequency)
     sweep = vehicle.sweep()
     model = vehicle.flattened(sweep).assemble()
@@ -90,10 +91,11 @@ def psd(vehicle: Vehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     >>> import numpy as np
     >>> from susp_ss import QuarterCar, Road, psd
     >>> S = psd(QuarterCar(), Road(), np.geomspace(0.1, 30.0, 200))
-    >>> peak = S.sel(output="bacc").frequency[S.sel(output="bacc").argmax()]
-    >>> 0.5 < float(peak) < 15.0
+    >>> peak = S.sel(output="bacc").idxmax("frequency")
+    >>> bool(0.5 < peak < 15.0)
     True
     """
+    check_kinds(vehicle, road)
     f = checked_frequency(frequency)
     sweep = vehicle.sweep()
     flat = vehicle.flattened(sweep)
@@ -118,7 +120,8 @@ def output_density(vehicle: Vehicle, model: SecondOrder, road: Road, f: NDArray)
     for process in processes(vehicle, road):
         share: Any = process.share
         if process.sign:
-            share = share + 0.5 * process.sign * road.coherence(f / road.speed, width)
+            apart = road.incoherence(f / road.speed, width)
+            share = 0.5 * (apart if process.sign < 0 else 2.0 - apart)
         y = H @ process.now + lag[..., None] * (H @ process.later)
         total += np.abs(y) ** 2 * (share * velocity)[..., None]
     return total

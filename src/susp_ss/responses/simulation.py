@@ -14,7 +14,7 @@ from rich.progress import track
 from ..roads import Road, synthesise
 from ..vehicles import Vehicle
 from ..vehicles.linkage import SecondOrder
-from .excitation import delay, processes, refuse_unbounded
+from .excitation import check_kinds, delay, infinite_outputs, processes, refuse_unbounded, refuse_undamped
 from .labels import labelled_outputs
 
 Array = NDArray[np.float64]
@@ -58,6 +58,7 @@ def simulate(vehicle: Vehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
     >>> bool(abs(response.sws[-1]) < 1e-3)
     True
     """
+    check_kinds(vehicle)
     model = vehicle._single("simulate()")
     t = _checked_time(time)
     z = _checked_profile(profile, tuple(vehicle.wheels), len(t))
@@ -81,9 +82,7 @@ def _outputs(model: SecondOrder, z: Array, t: Array) -> Array:
     return y + D1 @ np.gradient(z, t[1] - t[0], axis=1) if np.any(D1) else y
 
 
-def time_variances(
-    vehicle: Vehicle, road: Road, duration: float, step: float, seed: int
-) -> tuple[Array, Array]:
+def time_variances(vehicle: Vehicle, road: Road, duration: float, step: float, seed: int) -> tuple[Array, Array]:
     """Mean squares (designs, outputs) over a synthesised record, and their standard errors.
 
     The record is periodic and starts after the vehicle has forgotten its initial state, so that the mean square is the
@@ -109,10 +108,7 @@ def time_variances(
 
 def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, seed: int) -> tuple[Array, Array]:
     model = vehicle.assemble()
-    if model.unstable().any():
-        raise ValueError(
-            f"{type(vehicle).__name__} has an undamped mode, so that no stationary response exists; pass cs > 0"
-        )
+    refuse_undamped(vehicle, model)
     refuse_unbounded(vehicle, road, model.warp)
     excited = processes(vehicle, road)
     tau = float(delay(vehicle, road)) if any(process.later.any() for process in excited) else 0.0
@@ -127,7 +123,7 @@ def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, se
         track_width=float(vehicle.track_width),
         seed=seed,
     )
-    z *= (sum(np.abs(process.now + process.later) for process in excited) > 0.0)[:, None]
+    z *= np.any([process.now + process.later != 0.0 for process in excited], axis=0)[:, None]
     period = z.shape[1]
     forget = 8.0 / np.abs(np.linalg.eigvals(model.A).real).min()
     lead = int(np.ceil(forget / step))
@@ -138,9 +134,7 @@ def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, se
     power[:, 0] *= 0.5
     power[:, -1] *= 0.5
     squares, errors = power.sum(axis=1), np.sqrt(0.5 * (power**2).sum(axis=1))
-    if road.waviness <= 3.0:
-        wheels = np.stack([process.now + process.later for process in excited], axis=-1)
-        squares[np.any(model.on_road_velocity @ wheels != 0.0, axis=-1)] = np.inf
+    squares[infinite_outputs(model, excited, road).reshape(-1)] = np.inf
     return squares, errors
 
 

@@ -8,7 +8,7 @@ from scipy.integrate import cubature
 
 from ..roads import Road
 from ..vehicles import Vehicle
-from .excitation import processes, refuse_unbounded
+from .excitation import infinite_outputs, processes, refuse_unbounded, refuse_undamped
 from .frequency import output_density
 
 # The integral runs over log frequency, where algebraic ends become exponential. Slowly decaying spectra (waviness close
@@ -32,17 +32,9 @@ def spectral_variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
 
 def _variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
     model = vehicle.assemble()
-    if model.unstable().any():
-        raise ValueError(
-            f"{type(vehicle).__name__} has an undamped mode, so that no stationary response exists; pass cs > 0"
-        )
+    refuse_undamped(vehicle, model)
     refuse_unbounded(vehicle, road, model.warp)
-    infinite = np.zeros(len(model.outputs), dtype=bool)
-    if road.waviness <= 3.0:
-        for process in processes(vehicle, road):
-            reached = model.on_road_velocity @ np.stack([process.now, process.later], axis=-1)
-            infinite |= np.any(reached != 0.0, axis=-1).reshape(-1)
-
+    infinite = infinite_outputs(model, processes(vehicle, road), road).reshape(-1)
     span = np.geomspace(1e-3, 1e3, 1000)
     density = np.sum(np.abs(model.transfer(2.0 * np.pi * span)) ** 2, axis=-1) * road.intensity
     scale = np.trapezoid(density, span, axis=-2).reshape(-1)

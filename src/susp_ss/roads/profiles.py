@@ -57,15 +57,15 @@ def synthesise(
     rng = np.random.default_rng(seed)
     frequency = np.arange(1, samples // 2 + 1) / (samples * step)
     density = _folded(road, frequency, 1.0 / step)
-    coherence = road.coherence(frequency / road.speed, track_width)
+    apart = road.incoherence(frequency / road.speed, track_width)
     two_tracks = road.tracks != "identical" and any(sides)
 
     def amplitudes(share: NDArray | float) -> NDArray:
         gaussian = rng.standard_normal((2, len(frequency)))
         return np.sqrt(share * density / (samples * step)) * (gaussian[0] + 1j * gaussian[1])
 
-    mean = amplitudes(0.5 * (1.0 + coherence) if two_tracks else 1.0)
-    half_difference = amplitudes(0.5 * (1.0 - coherence)) if two_tracks else np.zeros_like(mean)
+    mean = amplitudes(0.5 * (2.0 - apart) if two_tracks else 1.0)
+    half_difference = amplitudes(0.5 * apart) if two_tracks else np.zeros_like(mean)
 
     profiles = np.empty((len(sides), samples))
     for profile, side, delay in zip(profiles, sides, delays, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -55,7 +56,7 @@ class Road:
     >>> from susp_ss import Road
     >>> print(Road.iso8608("C", speed=25.0, tracks="isotropic").describe())
     G_d(0.1 cycle/m) = 0.000256 m^3, waviness 2, 25 m/s, isotropic tracks, rear wheels delayed
-    >>> Road().psd(0.1)
+    >>> float(Road().psd(0.1))
     6.4e-05
     """
 
@@ -87,10 +88,9 @@ class Road:
         if not isinstance(self.delay, (bool, np.bool_)):
             raise TypeError(f"Road(delay=...) must be True or False, got {self.delay!r}")
         if self.wheels is not None:
-            if isinstance(self.wheels, str) or not all(isinstance(name, str) for name in self.wheels):
-                raise TypeError(
-                    f'Road(wheels=...) must be a sequence of names such as ("fr",), got {self.wheels!r}'
-                )
+            named = isinstance(self.wheels, Sequence) and not isinstance(self.wheels, str)
+            if not named or not all(isinstance(name, str) for name in self.wheels):
+                raise TypeError(f'Road(wheels=...) must be a sequence of names such as ("fr",), got {self.wheels!r}')
             if len(self.wheels) == 0:
                 raise ValueError("Road(wheels=...) must name at least one wheel, got none")
             object.__setattr__(self, "wheels", tuple(self.wheels))
@@ -146,13 +146,25 @@ class Road:
         track_width : array_like
             B in m.
         """
+        return (1.0 - self.incoherence(n, track_width))[()]
+
+    def incoherence(self, n: ArrayLike, track_width: ArrayLike) -> Any:
+        """``1 - gamma(n)``, which rules how far two tracks part, with all its digits at low wavenumbers too.
+
+        There ``gamma`` is 1 to rounding, and the leading terms of its series stand in:
+        ``1 - gamma = Gamma(1-v)/Gamma(1+v) (x/2)^(2v) - (x/2)^2 / (1-v)`` with ``v = w/2``.
+        """
         n, width = np.broadcast_arrays(np.asarray(n, dtype=float), np.asarray(track_width, dtype=float))
         if self.tracks != "isotropic":
-            return np.full(n.shape, float(self.tracks == "identical"))[()]
-        x, order = 2.0 * np.pi * n * width, 0.5 * self.waviness
-        with np.errstate(invalid="ignore", over="ignore"):
-            ratio = 2.0 / gamma(order) * (0.5 * x) ** order * kv(order, x)
-        return np.where(x < 1e-100, 1.0, ratio)[()]
+            return np.full(n.shape, float(self.tracks != "identical"))[()]
+        v, half = 0.5 * self.waviness, np.maximum(np.pi * n * width, np.finfo(float).tiny)
+        if abs(v - 1.0) < 1e-6:
+            series = half**2 * (1.0 - 2.0 * np.euler_gamma - 2.0 * np.log(half))
+        else:
+            series = gamma(1.0 - v) / gamma(1.0 + v) * half ** (2.0 * v) - half**2 / (1.0 - v)
+        near = half < 1e-4
+        far = np.where(near, 1.0, half)
+        return np.where(near, series, 1.0 - 2.0 / gamma(v) * far**v * kv(v, 2.0 * far))[()]
 
     def cross_psd(self, n: ArrayLike, track_width: ArrayLike = 0.0, distance: ArrayLike = 0.0) -> Any:
         """One-sided cross spectrum in m^3 of two wheels' profiles, complex.

@@ -117,6 +117,9 @@ class Linkage:
         k = _stack([link.stiffness for link in links])
         c = _stack([link.damping for link in links])
         m = _stack(list(self.masses.values()))
+        designs = np.broadcast_shapes(R.shape[:-2], k.shape[:-1], c.shape[:-1], m.shape[:-1])
+        R, N = (np.broadcast_to(rows, (*designs, *rows.shape[-2:])) for rows in (R, N))
+        k, c, m = (np.broadcast_to(values, (*designs, values.shape[-1])) for values in (k, c, m))
         RT = np.swapaxes(R, -1, -2)
 
         accelerations = {signal("bacc", place): motion for place, motion in self.points.items()}
@@ -190,7 +193,7 @@ class SecondOrder:
     @cached_property
     def G(self) -> Array:
         """Static displacement ``K^-1 K_in`` under unit road heights."""
-        return np.linalg.solve(self.K, np.broadcast_to(self.K_in, (*self.K.shape[:-1], self.K_in.shape[-1])))
+        return np.asarray(np.linalg.solve(self.K, self.K_in), dtype=float)
 
     @cached_property
     def on_position(self) -> Array:
@@ -271,12 +274,12 @@ class SecondOrder:
 
         A damper at every corner reaches every mode, so that eigenvalues are needed only where one is missing.
         """
-        undamped = np.broadcast_to(self.undamped, self.K.shape[:-2]).copy()
-        if undamped.any():
-            eigenvalues = np.linalg.eigvals(self.A[undamped])
+        unstable = np.array(self.undamped)
+        if unstable.any():
+            eigenvalues = np.linalg.eigvals(self.A[unstable])
             scale = np.abs(eigenvalues).max(axis=-1)
-            undamped[undamped] = eigenvalues.real.max(axis=-1) > -1e-12 * scale
-        return undamped
+            unstable[unstable] = eigenvalues.real.max(axis=-1) > -1e-12 * scale
+        return unstable
 
 
 def _rows(motions: Sequence[Motion], names: Sequence[str]) -> Array:

@@ -50,8 +50,7 @@ class Vehicle:
                     + ("(first, second)" if len(self.wheels) == 2 else "Corners(fr=, fl=, rr=, rl=)")
                 )
             return tuple(
-                checked(part, f"{where} at end {name}", **rule)
-                for name, part in zip(self.wheels, value, strict=True)
+                checked(part, f"{where} at end {name}", **rule) for name, part in zip(self.wheels, value, strict=True)
             )
         return checked(value, where, **rule)
 
@@ -92,7 +91,7 @@ class Vehicle:
         return self._map(names, lambda x: x[chosen] if isinstance(x, np.ndarray) else x)
 
     def _map(self, names: list[str], function: Any) -> Self:
-        values = {}
+        values: dict[str, Any] = {}
         for name in names:
             value = getattr(self, name)
             if isinstance(value, Corners):
@@ -214,7 +213,7 @@ class Vehicle:
         >>> from susp_ss import FullCar
         >>> modes = FullCar().modes()
         >>> modes["frequency"].round(2).tolist()
-        [1.16, 1.36, 1.71, 10.84, 10.85, 10.85, 10.86]
+        [1.12, 1.69, 2.12, 10.29, 10.5, 10.69, 10.84]
         >>> modes["shape"][0].abs().idxmax()
         'z_b'
         """
