@@ -1,0 +1,220 @@
+"""Surrogates that correct the cheap response: scaled (RB), or shifted by a plane in the design variables (VB).
+
+Both are linear in their coefficients, so that the fit is a convex least-squares problem with one solution; the study
+calls them nonlinear. Columns are centred and scaled and reduced to a triangle before they reach the solver: spring
+rates, damping rates and responses span seven orders of magnitude.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from .low_fidelity import evaluated
+
+Array = NDArray[np.float64]
+
+# Columns that are this close to a combination of the others cannot be told apart from them.
+DEPENDENT = 1e-10
+
+
+class _Correction(RegressorMixin, BaseEstimator):
+    """``S = offset + a0 + columns a``, fitted by least squares."""
+
+    def __init__(
+        self,
+        low_fidelity: Callable[[Any], Any],
+        nonnegative: bool = False,
+        terms: Sequence[bool] | None = None,
+    ):
+        self.low_fidelity = low_fidelity
+        self.nonnegative = nonnegative
+        self.terms = terms
+
+    def _split(self, X: Array, f: Array) -> tuple[Array, Array, list[str]]:
+        """Columns (n, m) of the coefficients a1, ..., the part that needs none (n,), and the columns' names."""
+        raise NotImplementedError
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Any:
+        """Tune the coefficients to the expensive responses y (n,) at the designs X (n, k)."""
+        designs, responses = validate_data(self, X, y, y_numeric=True, dtype=float, ensure_min_samples=2)
+        columns, offset, names = self._split(designs, evaluated(self.low_fidelity, designs))
+        keep = _kept(self.terms, columns.shape[1])
+        kept_names = [name for name, kept in zip(names, keep, strict=True) if kept]
+        every = np.column_stack([np.ones(len(designs)), columns])
+        coefficients = np.zeros(len(keep))
+        coefficients[keep] = least_squares(every[:, keep], responses - offset, bool(self.nonnegative), kept_names)
+        self.intercept_, self.coef_ = float(coefficients[0]), coefficients[1:]
+        return self
+
+    def predict(self, X: ArrayLike) -> Array:
+        """Return the tuned response (n,) at the designs X (n, k)."""
+        check_is_fitted(self)
+        designs = validate_data(self, X, reset=False, dtype=float)
+        columns, offset, _ = self._split(designs, evaluated(self.low_fidelity, designs))
+        return offset + self.intercept_ + columns @ self.coef_
+
+    def __sklearn_tags__(self) -> Any:
+        tags = super().__sklearn_tags__()
+        # How well it scores is up to the cheap model.
+        tags.regressor_tags.poor_score = True
+        return tags
+
+
+class ResponseBased(_Correction):
+    """Response-based surrogate (RB): the cheap response, scaled and shifted.
+
+    ``S(x) = a0 + a1 f(x)``, fitted by ``min sum (S - F)^2`` (*Feasibility study of surrogate model for the application
+    of vehicle suspension system*, 2021, Eqs 43 and 46).
+
+    Parameters
+    ----------
+    low_fidelity : callable
+        ``f(X)``, designs (n, k) to responses (n,), such as `susp_ss.Response`.
+    nonnegative : bool
+        Keep every coefficient >= 0, a0 included.
+    terms : sequence of bool, optional
+        Which of (a0, a1) to fit; the others are 0.
+
+    Attributes
+    ----------
+    intercept_ : float
+        a0, in the unit of the response.
+    coef_ : ndarray, (1,)
+        a1.
+
+    Raises
+    ------
+    TypeError, ValueError
+        A low-fidelity model that is not callable or returns no finite (n,), bad terms, or designs at which the
+        coefficients cannot be told apart; the column is named.
+    RuntimeError
+        The solver did not reach the optimum.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss import ResponseBased
+    >>> X = np.array([[1.0], [2.0], [3.0]])
+    >>> surrogate = ResponseBased(lambda X: X[:, 0] ** 2).fit(X, 3.0 + 2.0 * X[:, 0] ** 2)
+    >>> round(surrogate.intercept_, 9), surrogate.coef_.round(9).tolist()
+    (3.0, [2.0])
+    """
+
+    def _split(self, X: Array, f: Array) -> tuple[Array, Array, list[str]]:
+        return f[:, None], np.zeros(len(f)), ["a0", "the low-fidelity response"]
+
+
+class VariableBased(_Correction):
+    """Variable-based surrogate (VB): the cheap response plus a plane in the design variables.
+
+    ``S(x) = f(x) + a0 + sum a_i x_i``, fitted by ``min sum (S - F)^2`` (*Feasibility study of surrogate model for the
+    application of vehicle suspension system*, 2021, Eqs 44 and 46).
+
+    Parameters
+    ----------
+    low_fidelity : callable
+        ``f(X)``, designs (n, k) to responses (n,), such as `susp_ss.Response`.
+    nonnegative : bool
+        Keep every coefficient >= 0, a0 included.
+    terms : sequence of bool, optional
+        Which of (a0, a1, ..., ak) to fit; the others are 0.
+
+    Attributes
+    ----------
+    intercept_ : float
+        a0, in the unit of the response.
+    coef_ : ndarray, (k,)
+        a1, ..., in the unit of the response over that of the variable.
+
+    Raises
+    ------
+    TypeError, ValueError, RuntimeError
+        As in `ResponseBased`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss import VariableBased
+    >>> X = np.array([[1.0, 0.0], [2.0, 1.0], [3.0, 5.0], [4.0, 2.0]])
+    >>> surrogate = VariableBased(lambda X: X.prod(axis=1), terms=(True, True, False))
+    >>> surrogate.fit(X, X.prod(axis=1) + 1.0 - 0.5 * X[:, 0]).coef_.round(9).tolist()
+    [-0.5, 0.0]
+    """
+
+    def _split(self, X: Array, f: Array) -> tuple[Array, Array, list[str]]:
+        names = getattr(self, "feature_names_in_", [f"column {i} of X" for i in range(X.shape[1])])
+        return X, f, ["a0", *map(str, names)]
+
+
+def least_squares(columns: Array, target: Array, nonnegative: bool, names: Sequence[str]) -> Array:
+    """Minimise ``|columns a - target|^2``, with ``a >= 0`` on demand, by cvxpy.
+
+    Parameters
+    ----------
+    columns : ndarray, (n, m)
+        A first column of ones is the intercept: the others are then centred.
+    target : ndarray, (n,)
+    names : sequence of str
+        Of the columns, for messages.
+
+    Returns
+    -------
+    ndarray, (m,)
+
+    Raises
+    ------
+    ValueError
+        Fewer designs than coefficients, or a column that depends on the others.
+    RuntimeError
+        The solver stopped short of the optimum.
+    """
+    import cvxpy as cp
+
+    n, m = columns.shape
+    if n < m:
+        raise ValueError(f"{m} coefficients need at least {m} designs, got {n} sample(s)")
+    # From scaled to physical coefficients: a = T b, where T undoes scaling and, with an intercept, centring.
+    scale = np.abs(columns).max(axis=0)
+    T = np.diag(1.0 / np.where(scale > 0.0, scale, 1.0))
+    if names[0] == "a0":
+        mean = columns[:, 1:].mean(axis=0)
+        spread = np.abs(columns[:, 1:] - mean).max(axis=0)
+        spread = np.where(spread > DEPENDENT * scale[1:], spread, np.inf)
+        T[1:, 1:] = np.diag(1.0 / spread)
+        T[0, 1:] = -mean / spread
+    Q, R = np.linalg.qr(columns @ T)
+    weak = np.abs(np.diag(R)) < DEPENDENT * np.sqrt(n)
+    if weak.any():
+        raise ValueError(f"{names[int(np.argmax(weak))]} is constant or depends on the others, so that its coefficient "
+                         "is undetermined; vary it, or leave it out with terms")  # fmt: skip
+    unit = np.abs(target).max() or 1.0
+    b = cp.Variable(m)
+    # Coefficients >= 0 in units of their own size.
+    size = np.abs(T).max(axis=1)
+    constraints = [(T / size[:, None]) @ b >= 0] if nonnegative else []
+    root = np.sqrt(n)
+    problem = cp.Problem(cp.Minimize(cp.sum_squares((R / root) @ b - Q.T @ target / (root * unit))), constraints)
+    tight = {"tol_gap_abs": 1e-15, "tol_gap_rel": 1e-15, "tol_feas": 1e-14, "max_iter": 200}
+    problem.solve(solver=cp.CLARABEL, **tight)
+    if problem.status != cp.OPTIMAL:
+        raise RuntimeError(f"the least-squares problem was not solved: cvxpy reports {problem.status}")
+    a = unit * (T @ np.asarray(b.value))
+    return np.maximum(a, 0.0) if nonnegative else a
+
+
+def _kept(terms: Sequence[bool] | None, columns: int) -> NDArray[np.bool_]:
+    if terms is None:
+        return np.ones(columns + 1, dtype=bool)
+    kept = np.asarray(terms)
+    if kept.dtype.kind != "b" or kept.shape != (columns + 1,) or not kept.any():
+        raise ValueError(
+            f"terms must be {columns + 1} of True or False, one for each of a0 to a{columns} and at least one True, "
+            f"got {terms!r}"
+        )
+    return kept

@@ -1,0 +1,146 @@
+"""RB and VB: known coefficients are recovered, and the fits are the normal equations' and scipy's nnls."""
+
+import mpmath
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import nnls
+
+import susp_ss as ss
+
+# Typical sizes of BAcc, SWS and DTL, which with K_s span seven orders of magnitude.
+SIZES = {"bacc": 1.0, "sws": 5e-3, "dtl": 500.0}
+
+
+def designs(n, seed):
+    rng = np.random.default_rng(seed)
+    return np.column_stack([rng.uniform(12536, 24570, n), rng.uniform(798, 2235, n)])
+
+
+def curved(X):
+    """A smooth cheap response of order one."""
+    return 0.5 + 1e-9 * X[:, 0] ** 1.9 + 0.2 * np.sqrt(X[:, 1] / 1500)
+
+
+def exact(columns, target):
+    """The normal equations in 60 digits."""
+    with mpmath.workdps(60):
+        A, y = mpmath.matrix(columns.tolist()), mpmath.matrix(target.tolist())
+        return np.array([float(a) for a in mpmath.lu_solve(A.T * A, A.T * y)])
+
+
+@pytest.mark.parametrize("size", SIZES.values(), ids=SIZES.keys())
+def test_known_coefficients_are_recovered(size):
+    X = designs(400, 1)
+    low = lambda X: size * curved(X)  # noqa: E731
+    rb = ss.ResponseBased(low).fit(X, 0.3 * size + 1.7 * low(X))
+    np.testing.assert_allclose([rb.intercept_, *rb.coef_], [0.3 * size, 1.7], rtol=1e-9)
+    vb = ss.VariableBased(low).fit(X, low(X) + size * (0.2 + 3e-6 * X[:, 0] - 4e-5 * X[:, 1]))
+    np.testing.assert_allclose([vb.intercept_, *vb.coef_], size * np.array([0.2, 3e-6, -4e-5]), rtol=1e-9)
+    np.testing.assert_allclose(vb.predict(X), low(X) + size * (0.2 + 3e-6 * X[:, 0] - 4e-5 * X[:, 1]), rtol=1e-12)
+
+
+@given(st.integers(0, 10_000), st.sampled_from(list(SIZES.values())), st.integers(6, 60))
+@settings(max_examples=25, deadline=None)
+def test_free_fits_are_the_normal_equations(seed, size, n):
+    X, rng = designs(n, seed), np.random.default_rng(seed + 1)
+    low = lambda X: size * curved(X)  # noqa: E731
+    y = size * (rng.normal() + rng.normal() * curved(X) + rng.normal() * X[:, 0] / 2e4 + 0.05 * rng.normal(size=n))
+    ones = np.ones(n)
+    rb = ss.ResponseBased(low).fit(X, y)
+    np.testing.assert_allclose([rb.intercept_, *rb.coef_], exact(np.column_stack([ones, low(X)]), y), rtol=1e-8)
+    vb = ss.VariableBased(low).fit(X, y)
+    np.testing.assert_allclose([vb.intercept_, *vb.coef_], exact(np.column_stack([ones, X]), y - low(X)), rtol=1e-8)
+
+
+@given(st.integers(0, 10_000), st.sampled_from(list(SIZES.values())), st.integers(6, 60))
+@settings(max_examples=40, deadline=None)
+def test_nonnegative_fits_are_scipys_nnls(seed, size, n):
+    X, rng = designs(n, seed), np.random.default_rng(seed + 1)
+    low = lambda X: size * curved(X)  # noqa: E731
+    y = low(X) + size * (
+        rng.normal() + rng.normal() * X[:, 0] / 2e4 + rng.normal() * X[:, 1] / 2e3 + 0.05 * rng.normal(size=n)
+    )
+    for surrogate, columns, target in (
+        (ss.ResponseBased(low, nonnegative=True), np.column_stack([np.ones(n), low(X)]), y),
+        (ss.VariableBased(low, nonnegative=True), np.column_stack([np.ones(n), X]), y - low(X)),
+    ):
+        scale = np.linalg.norm(columns, axis=0)
+        expected = nnls(columns / scale, target)[0]
+        fitted = surrogate.fit(X, y)
+        ours = np.array([fitted.intercept_, *fitted.coef_]) * scale
+        assert (ours >= 0).all()
+        np.testing.assert_allclose(ours, expected, rtol=1e-8, atol=1e-8 * np.linalg.norm(target))
+
+
+@pytest.mark.parametrize(
+    "terms", [(True, False, False), (False, True, True), (True, False, True), (False, False, True)]
+)
+def test_masked_terms_are_zero_and_the_rest_is_optimal(terms):
+    X = designs(50, 3)
+    y = curved(X) + 0.3 - 1e-5 * X[:, 0] + 2e-4 * X[:, 1] + 0.01 * np.sin(X[:, 0])
+    fitted = ss.VariableBased(curved, terms=terms).fit(X, y)
+    ours = np.array([fitted.intercept_, *fitted.coef_])
+    keep = np.array(terms)
+    assert (ours[~keep] == 0.0).all()
+    columns = np.column_stack([np.ones(50), X])[:, keep]
+    np.testing.assert_allclose(ours[keep], exact(columns, y - curved(X)), rtol=1e-8)
+
+
+def test_nonnegative_fit_at_its_corner_is_zero():
+    X = designs(50, 4)
+    fitted = ss.VariableBased(curved, nonnegative=True).fit(X, curved(X) - 1.0)
+    np.testing.assert_allclose([fitted.intercept_, *fitted.coef_], 0.0, atol=1e-9)
+
+
+def test_named_columns_are_checked():
+    X = pd.DataFrame(designs(20, 5), columns=["ks", "cs"])
+    fitted = ss.VariableBased(lambda X: curved(np.asarray(X))).fit(X, np.arange(20.0))
+    assert list(fitted.feature_names_in_) == ["ks", "cs"]
+    with pytest.raises(ValueError, match="feature names"):
+        fitted.predict(X[["cs", "ks"]])
+
+
+def constant(X):
+    return np.ones(len(X))
+
+
+@pytest.mark.parametrize(
+    ("surrogate", "error", "words"),
+    [
+        (ss.ResponseBased(None), TypeError, "low_fidelity must be a callable"),
+        (ss.ResponseBased(constant), ValueError, "the low-fidelity response is constant"),
+        (ss.ResponseBased(lambda X: X), ValueError, r"shape \(20,\), got \(20, 2\)"),
+        (ss.ResponseBased(lambda X: X[:, 0] * np.nan), ValueError, "finite numbers, got nan"),
+        (ss.ResponseBased(curved, terms=(True,)), ValueError, "terms must be 2 of True or False"),
+        (ss.ResponseBased(curved, terms=(False, False)), ValueError, "at least one True"),
+        (ss.VariableBased(curved, terms=(1, 1, 1)), ValueError, "terms must be 3 of True or False"),
+    ],
+)
+def test_bad_settings(surrogate, error, words):
+    with pytest.raises(error, match=words):
+        surrogate.fit(designs(20, 6), np.arange(20.0))
+
+
+def test_bad_designs():
+    X = designs(20, 7)
+    stuck = np.column_stack([X[:, 0], np.full(20, 1500.0)])
+    with pytest.raises(ValueError, match="column 1 of X is constant or depends on the others"):
+        ss.VariableBased(curved).fit(stuck, np.arange(20.0))
+    named = pd.DataFrame(stuck, columns=["ks", "cs"])
+    with pytest.raises(ValueError, match="cs is constant"):
+        ss.VariableBased(curved).fit(named, np.arange(20.0))
+    with pytest.raises(ValueError, match="3 coefficients need at least 3 designs"):
+        ss.VariableBased(curved).fit(X[:2], [1.0, 2.0])
+    with pytest.raises(ValueError, match="NaN"):
+        ss.VariableBased(curved).fit(X, np.full(20, np.nan))
+
+
+def test_a_failed_solve_is_an_error(monkeypatch):
+    import cvxpy
+
+    monkeypatch.setattr(cvxpy.Problem, "status", property(lambda self: cvxpy.OPTIMAL_INACCURATE))
+    with pytest.raises(RuntimeError, match="optimal_inaccurate"):
+        ss.ResponseBased(curved).fit(designs(20, 8), np.arange(20.0))
