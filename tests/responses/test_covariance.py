@@ -59,5 +59,22 @@ def test_a_long_sweep_is_each_of_its_designs():
 
 
 def test_waviness_is_refused():
-    with pytest.raises(ValueError, match="needs waviness 2, got 2.2"):
+    with pytest.raises(ValueError, match=r"needs waviness 2, got 2\.2"):
         ss.covariance(ss.QuarterCar(), ss.Road(waviness=2.2))
+
+
+@pytest.mark.parametrize("tracks", ["identical", "independent", "isotropic"])
+def test_long_delays_are_reached_by_squaring_to_the_same_end(tracks, monkeypatch):
+    from susp_ss.responses import lyapunov
+
+    car, road = VEHICLES["full, unequal corners"], ss.Road(tracks=tracks, speed=1.0, cutoff=0.01)
+    walked = ss.covariance(car, road)
+    monkeypatch.setattr(lyapunov, "LONGEST_WALK", 0)
+    leapt = ss.covariance(car, road)
+    np.testing.assert_allclose(leapt, walked, rtol=1e-10, atol=1e-12 * float(abs(walked).max()))
+
+
+def test_a_crawling_car_sees_two_independent_axles():
+    crawl = ss.ride_metrics(ss.PitchHalfCar(), ss.Road(speed=1e-6))
+    each = [ss.ride_metrics(ss.PitchHalfCar(), ss.Road(speed=1e-6, wheels=(wheel,))) for wheel in "fr"]
+    np.testing.assert_allclose(crawl.sws, np.hypot(each[0].sws, each[1].sws), rtol=1e-9)

@@ -18,7 +18,9 @@ def test_increments_are_those_of_the_road():
 
 def test_tracks_have_the_coherence_of_the_surface():
     road, width, step = ss.Road(tracks="isotropic", speed=20.0), 1.446, 0.01
-    left, right = (np.array(x) for x in zip(*(synthesise(road, 40.0, step, sides=(1, -1), delays=(0, 0), track_width=width, seed=s) for s in range(200)), strict=True))  # fmt: skip
+    wheels = {"sides": (1, -1), "delays": (0.0, 0.0), "track_width": width}
+    records = np.array([synthesise(road, 40.0, step, **wheels, seed=seed) for seed in range(200)])
+    left, right = records[:, 0], records[:, 1]
     L, R = np.fft.rfft(left), np.fft.rfft(right)
     f = np.fft.rfftfreq(left.shape[1], step)
     for n in (0.05, 0.2):

@@ -53,12 +53,14 @@ def test_isotropic_coherence_is_that_of_two_lines_on_a_surface():
     road = ss.Road(tracks="isotropic")
     np.testing.assert_allclose(road.coherence(n, width), oracles.coherence_isotropic(n, width), rtol=1e-12)
     # Integrate the two-dimensional spectrum (n^2 + m^2)^(-3/2) across the direction of travel.
+    across = 2 * np.pi * width
     for wavenumber in n:
-        plain = quad(lambda m: (wavenumber**2 + m**2) ** -1.5, 0, np.inf)[0]
-        crossed = quad(
-            lambda m: (wavenumber**2 + m**2) ** -1.5, 0, np.inf, weight="cos", wvar=2 * np.pi * width, limit=500
-        )[0]
-        np.testing.assert_allclose(float(road.coherence(wavenumber, width)), crossed / plain, rtol=1e-5)
+
+        def density(m, wavenumber=wavenumber):
+            return (wavenumber**2 + m**2) ** -1.5
+
+        crossed = quad(density, 0, np.inf, weight="cos", wvar=across, limit=500)[0]
+        np.testing.assert_allclose(road.coherence(wavenumber, width), crossed / quad(density, 0, np.inf)[0], rtol=1e-5)
 
 
 def test_cross_spectra():

@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 TAYLOR_REACH = 4.0
 TAYLOR_TERMS = 32
 
+# A delay of more steps than this (a walking pace) is reached by squaring instead.
+LONGEST_WALK = 64
+
 
 class Dynamics:
     """Mass-normalised free dynamics ``x' = A x``, ``A = [[0, I], [-K, -C]]``, for N designs at once."""
@@ -37,7 +40,7 @@ class Dynamics:
         return np.concatenate([-np.linalg.solve(self.K, b + self.C @ a), a], axis=1)
 
     def resolvent(self, alpha: Array, x: Array) -> Array:
-        """``(alpha I - A)^-1 x`` for alpha > 0, (N,)."""
+        """``(alpha I - A)^-1 x`` for alpha (N,), no eigenvalue of A."""
         a, b = x[:, : self.n], x[:, self.n :]
         shift = alpha[:, None, None]
         inner = self.C + shift * np.eye(self.n)
@@ -72,6 +75,8 @@ class Dynamics:
         x = np.concatenate([b[:, :, None], np.zeros((N, b.shape[1], J))], axis=2)
         reach = np.maximum(self.fastest(), rates.max(axis=1)) * tau
         steps = max(1, int(np.ceil(reach.max() / TAYLOR_REACH)))
+        if steps > LONGEST_WALK:
+            return self._leap(b, tau, alphas, int(np.ceil(np.log2(steps))))
         h = (tau / steps)[:, None, None]
         for _ in range(steps):
             term, drive, total = x, forcing[:, None, :], x
@@ -81,6 +86,20 @@ class Dynamics:
                 total = total + term
             x, forcing = total, forcing * np.exp(-h[:, 0] * rates)
         return x[:, :, 0], x[:, :, 1:]
+
+    def _leap(self, b: Array, tau: Array, alphas: Array, squarings: int) -> tuple[Array, Array]:
+        """The same as `propagate` over a long delay: ``e^(A h)`` squared, ``(alpha I + A)^-1`` for the forcing."""
+        h = (tau / 2.0**squarings)[:, None, None]
+        E = term = np.broadcast_to(np.eye(2 * self.n), (len(tau), 2 * self.n, 2 * self.n))
+        for k in range(1, TAYLOR_TERMS + 1):
+            term = (h / k) * self.apply(term)
+            E = E + term
+        for _ in range(squarings):
+            E = E @ E
+        free = (E @ b[:, :, None])[:, :, 0]
+        left = free[:, :, None] - np.exp(-alphas * tau[:, None])[:, None, :] * b[:, :, None]
+        forced = [-self.resolvent(-alpha, left[..., [j]]) for j, alpha in enumerate(alphas.T)]
+        return free, np.concatenate([np.empty((*b.shape, 0)), *forced], axis=-1)
 
     def lyapunov(self, Q: Array) -> Array:
         """Solve ``A X + X A^T + Q = 0`` for symmetric Q (N, 2n, 2n); every design must be asymptotically stable.
