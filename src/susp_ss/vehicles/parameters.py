@@ -88,7 +88,7 @@ class Sweep:
     dims: tuple[str, ...]
     shape: tuple[int, ...]
     coords: dict[str, Any]
-    _template: xr.DataArray
+    _template: xr.DataArray | None
 
     @classmethod
     def over(cls, values: Iterable[Any], where: str) -> Sweep:
@@ -98,13 +98,15 @@ class Sweep:
         plain = [x for x in values if isinstance(x, np.ndarray)]
         try:
             shape = np.broadcast_shapes(*(x.shape for x in plain))
+            if not labelled:
+                return cls(design_dims(len(shape)) if shape else (), shape, {}, None)
             if shape:
                 labelled.append(xr.DataArray(np.empty(shape), dims=design_dims(len(shape))))
             aligned = xr.broadcast(*xr.align(*labelled, join="exact", copy=False))
         except ValueError as error:
             sizes = [dict(x.sizes) if isinstance(x, xr.DataArray) else x.shape for x in labelled + plain]
             raise ValueError(f"{where} has parameters that do not broadcast: sizes {sizes}; {error}") from None
-        template = aligned[0] if aligned else xr.DataArray(0.0)
+        template = aligned[0]
         coords = {str(name): coord for name, coord in template.coords.items() if name in template.dims}
         return cls(tuple(map(str, template.dims)), template.shape, coords, template)
 
@@ -116,6 +118,8 @@ class Sweep:
         """One number, or one for each design."""
         if isinstance(value, float):
             return value
+        if self._template is None:
+            return np.broadcast_to(value, self.shape).reshape(-1)
         if isinstance(value, np.ndarray):
             shape = tuple(self._template.sizes[dim] for dim in self.dims if dim.startswith("design"))
             value = xr.DataArray(np.broadcast_to(value, shape), dims=design_dims(len(shape)))
