@@ -35,6 +35,9 @@ COHERENCE_RATES = np.array([0.17846, 0.74178, 1.96519, 5.04089, 7.56134])
 COHERENCE_WEIGHTS = np.array([0.029123, 0.294623, 0.931565, -0.350543, 0.095232])
 COHERENCE_WEIGHTS = COHERENCE_WEIGHTS / COHERENCE_WEIGHTS.sum()
 
+# Of a mean square, relative to the squared sum of its terms' sizes.
+ROUNDING = 1e-14
+
 # Designs solved together: their 49 x 49 systems then stay near the processor.
 BATCH = 256
 
@@ -235,5 +238,8 @@ def covariance_variances(vehicle: Vehicle, road: Road) -> Array:
     for model, X, infinite in covariance_batches(vehicle, road):
         Y = model.velocity_form()[2]
         variance = np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
-        variances.append(np.where(infinite, np.inf, np.maximum(variance, 0.0)))
+        # What symmetry cancels is zero, not the rounding of the terms that cancel.
+        size = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0)))
+        variance = np.where(variance > ROUNDING * size**2, variance, 0.0)
+        variances.append(np.where(infinite, np.inf, variance))
     return np.concatenate(variances)
