@@ -1,0 +1,247 @@
+"""Pictures of the study: response surfaces, error maps and magnitudes over frequency, sized for print.
+
+Every function returns a new `matplotlib.figure.Figure`, which needs no window system: ``figure.savefig("name.png")``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+from numpy.typing import NDArray
+
+from .published import CRITERIA, LABELS, SURROGATES
+from .responses import frequency_response
+from .vehicles import FullCar, QuarterCar
+
+if TYPE_CHECKING:
+    from .study import Study
+
+STYLE: Any = {
+    "font.size": 8.0,
+    "axes.labelsize": 8.0,
+    "axes.titlesize": 9.0,
+    "xtick.labelsize": 7.0,
+    "ytick.labelsize": 7.0,
+    "legend.fontsize": 8.0,
+    "axes.linewidth": 0.6,
+    "mathtext.default": "regular",
+}
+"""For a page 180 mm wide."""
+
+WIDTH = 7.1  # inches, the text width of A4
+DPI = 200
+
+# The study's colours of low fidelity, high fidelity and surrogate; edges tell the surfaces apart without colour.
+SURFACES = {"lf": ("#f2d30b", "#8a7500"), "hf": ("#35d0e0", "#0a6d78"), "surrogate": ("#ffffff", "#303030")}
+
+FORMULAE = {"RB": "$S = a_0 + a_1 f$", "VB": "$S = f + a_0 + a_1 K_s + a_2 C_s$", "PB": "$S = f(M_s)$"}
+
+# Okabe and Ito's palette, distinct to colour-blind readers, and a dash pattern for each.
+LINES = (("#000000", "-"), ("#0072b2", "--"), ("#d55e00", "-."), ("#009e73", ":"))
+
+# Criterion: symbol on the axis, unit on the axis and SI units in one of it.
+AXES = {"bacc": ("BAcc", "m/s²", 1.0), "dtl": ("DTL", "kN", 1e3), "sws": ("SWS", "mm", 1e-3)}
+ERROR_AXES = {"bacc": ("BAcc", "m/s²", 1.0), "dtl": ("DTL", "N", 1.0), "sws": ("SWS", "mm", 1e-3)}
+# Elevation and azimuth in degrees, from where a surface shows its upper side: BAcc rises with C_s, the others fall.
+VIEWS = {"bacc": (25.0, -130.0), "dtl": (28.0, 50.0), "sws": (28.0, 50.0)}
+GAINS = {"bacc": ("BAcc / road", "(m/s²)/m"), "dtl": ("DTL / road", "N/m"), "sws": ("SWS / road", "m/m")}
+
+
+def response_surfaces(study: Study, surrogate: str, criteria: Sequence[str] = tuple(CRITERIA)) -> Figure:
+    """Low-fidelity, high-fidelity and surrogate response over spring and damper: Figure 4, 5 or 6 of the study.
+
+    Parameters
+    ----------
+    study : Study
+    surrogate : {"RB", "VB", "PB"}
+    criteria : sequence of str
+        Which of bacc, dtl and sws to show.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel a criterion; yellow, cyan and white as in the study.
+
+    Examples
+    --------
+    >>> import susp_ss as ss
+    >>> from susp_ss.plots import response_surfaces
+    >>> figure = response_surfaces(ss.feasibility_study(nodes=(4, 4)), "RB")
+    >>> [axes.get_zlabel() for axes in figure.axes]
+    ['BAcc (m/s²)', 'DTL (kN)', 'SWS (mm)']
+    """
+    _check(surrogate, criteria)
+    count = len(criteria)
+    with mpl.rc_context(STYLE):
+        figure = _figure(WIDTH if count > 1 else 0.5 * WIDTH, 2.75)
+        for i, criterion in enumerate(criteria):
+            symbol, unit, one = AXES[criterion]
+            axes: Any = figure.add_axes(((i + 0.11) / count, 0.12, 0.88 / count, 0.84), projection="3d")
+            here = study.responses.sel(criterion=criterion) / one
+            _surfaces(axes, here, {"lf": "lf", "hf": "hf", "surrogate": surrogate}, *VIEWS[criterion])
+            axes.set_xlabel("$K_s$ (kN/m)", labelpad=-6)
+            axes.set_ylabel("$C_s$ (kN s/m)", labelpad=-6)
+            axes.set_zlabel(f"{symbol} ({unit})", labelpad=-5)
+            if count > 1:
+                axes.set_title(f"({'abc'[i]}) {symbol}", y=1.0)
+        labels = ["quarter car", "full car", f"{surrogate}: {FORMULAE[surrogate]}"]
+        if count > 1:
+            labels = ["low fidelity (quarter car)", "high fidelity (full car)", f"surrogate {labels[-1]}"]
+        handles = [
+            Patch(facecolor=face, edgecolor=edge, label=label)
+            for (face, edge), label in zip(SURFACES.values(), labels, strict=True)
+        ]
+        figure.legend(handles=handles, loc="lower center", ncols=3, frameon=False, columnspacing=1.2)
+    return figure
+
+
+def error_map(study: Study, surrogate: str) -> Figure:
+    """Error ``S - F`` of a surrogate over spring and damper.
+
+    Parameters
+    ----------
+    study : Study
+    surrogate : {"RB", "VB", "PB"}
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel a criterion, blue where the surrogate is too low, red where it is too high.
+
+    Examples
+    --------
+    >>> import susp_ss as ss
+    >>> from susp_ss.plots import error_map
+    >>> figure = error_map(ss.feasibility_study(nodes=(4, 4)), "VB")
+    >>> figure.axes[0].get_xlabel()
+    '$K_s$ (kN/m)'
+    """
+    _check(surrogate)
+    with mpl.rc_context(STYLE):
+        figure = _figure(WIDTH, 2.6, layout="constrained")
+        panels = figure.subplots(1, 3, sharey=True)
+        for axes, (criterion, (symbol, unit, one)) in zip(panels, ERROR_AXES.items(), strict=True):
+            here = study.responses.sel(criterion=criterion)
+            error = (here[surrogate] - here["hf"]).transpose("cs", "ks") / one
+            # An odd number of bands, so that small errors of either sign share the neutral one.
+            limit = max(float(np.abs(error).max()), np.finfo(float).tiny)
+            bands = np.linspace(-limit, limit, 16)
+            image = axes.contourf(here.ks / 1e3, here.cs / 1e3, error, levels=bands, cmap="RdBu_r", extend="neither")
+            if float(error.min()) < 0.0 < float(error.max()):
+                axes.contour(here.ks / 1e3, here.cs / 1e3, error, levels=[0.0], colors="black", linewidths=0.7)
+            bar = figure.colorbar(image, ax=axes, location="bottom", ticks=mpl.ticker.MaxNLocator(5))
+            bar.set_label(f"{surrogate} error of {symbol} ({unit})")
+            axes.set_title(symbol)
+            axes.set_xlabel("$K_s$ (kN/m)")
+        panels[0].set_ylabel("$C_s$ (kN s/m)")
+    return figure
+
+
+def bode_magnitude(curves: Mapping[str, xr.DataArray]) -> Figure:
+    """Magnitude over frequency of the three criteria per metre of road height.
+
+    Parameters
+    ----------
+    curves : mapping of str to DataArray
+        For each legend entry a response on dims ``criterion`` (bacc, dtl, sws) and ``frequency`` (Hz), complex or not.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> from susp_ss.plots import bode_magnitude, study_curves
+    >>> figure = bode_magnitude(study_curves("fr"))
+    >>> figure.axes[2].get_ylabel()
+    '|SWS / road| (m/m)'
+    """
+    with mpl.rc_context(STYLE):
+        figure = _figure(WIDTH, 2.7, layout="constrained")
+        panels = figure.subplots(1, 3)
+        for axes, (criterion, (label, unit)) in zip(panels, GAINS.items(), strict=True):
+            for (name, curve), (colour, dashes) in zip(curves.items(), LINES, strict=False):
+                gain = np.abs(curve.sel(criterion=criterion))
+                axes.loglog(curve.frequency, gain, color=colour, linestyle=dashes, linewidth=1.2, label=name)
+            axes.set_xlabel("frequency (Hz)")
+            axes.set_ylabel(f"|{label}| ({unit})")
+            axes.grid(which="major", linewidth=0.4, color="0.8")
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False, handlelength=3.0)
+    return figure
+
+
+def study_curves(corner: str) -> dict[str, xr.DataArray]:
+    """Responses of both models of the study for `bode_magnitude`, with the middle spring and damper of Table 2.
+
+    The full car is measured at ``corner``, once with the road under all four wheels in phase, once with the road
+    under that corner's wheel alone.
+    """
+    frequency = np.geomspace(0.1, 50.0, 400)
+    quarter = frequency_response(QuarterCar(), frequency).sel(input="z_r", drop=True)
+    full = frequency_response(FullCar(), frequency)
+    at_corner = full.sel(output=[f"{criterion}_{corner}" for criterion in LABELS])
+    curves = {
+        "quarter car": quarter.sel(output=list(LABELS)),
+        f"full car at {corner}, all wheels in phase": at_corner.sum("input"),
+        f"full car at {corner}, road under {corner} only": at_corner.sel(input=f"z_r_{corner}", drop=True),
+    }
+    return {name: curve.assign_coords(output=list(LABELS)).rename(output="criterion") for name, curve in curves.items()}
+
+
+def _figure(width: float, height: float, layout: Any = None) -> Figure:
+    figure = Figure(figsize=(width, height), dpi=DPI, layout=layout)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _surfaces(axes: Any, here: xr.Dataset, names: dict[str, str], elevation: float, azimuth: float) -> None:
+    x, y = np.meshgrid(here.ks / 1e3, here.cs / 1e3, indexing="ij")
+    heights = {kind: here[name].transpose("ks", "cs").values for kind, name in names.items()}
+    # Strips of one damping interval, the nearest drawn last; matplotlib sorts by depth within a collection only, where
+    # steep strips would show through each other.
+    axes.computed_zorder = False
+    for j in range(y.shape[1] - 1):
+        strips = [_strip(x, y, z, j) for z in heights.values()]
+        faces, edges = (
+            [to_rgb(SURFACES[kind][part]) for kind, strip in zip(heights, strips, strict=True) for _ in strip]
+            for part in (0, 1)
+        )
+        nearness = j if np.sin(np.radians(azimuth)) > 0.0 else y.shape[1] - j
+        axes.add_collection3d(
+            Poly3DCollection(
+                np.concatenate(strips), facecolors=faces, edgecolors=edges, linewidths=0.25, zorder=10 + nearness
+            )
+        )
+    low, high = (end(list(heights.values())) for end in (np.min, np.max))
+    axes.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()), zlim=(low, high))
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_major_locator(mpl.ticker.MaxNLocator(4))
+    axes.tick_params(pad=-3)
+    axes.tick_params(axis="z", pad=-0.5)
+    axes.view_init(elev=elevation, azim=azimuth)
+    axes.set_box_aspect((1.0, 1.0, 0.9), zoom=0.95)
+
+
+def _strip(x: NDArray, y: NDArray, z: NDArray, j: int) -> NDArray[np.float64]:
+    """Facets (n, 4, 3) between the nodes j and j + 1 of the second axis."""
+    points = np.stack([x, y, z], axis=-1)
+    return np.stack([points[:-1, j], points[1:, j], points[1:, j + 1], points[:-1, j + 1]], axis=1)
+
+
+def _check(surrogate: str, criteria: Sequence[str] = ()) -> None:
+    for what, name, known in [
+        ("surrogate", surrogate, SURROGATES),
+        *(("criterion", name, CRITERIA) for name in criteria),
+    ]:
+        if name not in known:
+            raise ValueError(f"no {what} named {name!r}, available: {', '.join(known)}")
