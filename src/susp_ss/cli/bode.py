@@ -1,0 +1,178 @@
+"""``susp-ss bode``: frequency responses of a vehicle to the road's height, as figure and table."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.table import Table
+
+from .documents import vehicle_document
+from .folder import check_folder, write_together
+from .options import Force, Json, built_from, names, print_table, vehicle_from_options
+from .refusals import Refusal, refusals
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from ..vehicles import Vehicle
+
+TABLE, FIGURE = "bode.csv", "bode.png"
+
+
+@built_from(vehicle=vehicle_from_options)
+def run(
+    vehicle: "Vehicle",
+    output: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME,...",
+            help="What moves, such as bacc_cg, sws_fr or pitch_acc; may be repeated.",
+            show_default="bacc, sws and dtl at the first wheel",
+        ),
+    ] = None,
+    input: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME,...",
+            help="Height of the road under which wheel, such as z_r_fr; may be repeated.",
+            show_default="the first wheel",
+        ),
+    ] = None,
+    lowest: Annotated[float, typer.Option("--from", metavar="Hz", help="Lowest frequency.")] = 0.1,
+    highest: Annotated[float, typer.Option("--to", metavar="Hz", help="Highest frequency.")] = 50.0,
+    points: Annotated[int, typer.Option(metavar="N", help="Frequencies, evenly on a log scale.")] = 500,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help=f"Write {TABLE} and {FIGURE} here; without it nothing is written.",
+            show_default=False,
+        ),
+    ] = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Magnitude and phase of a vehicle's responses to the height of the road under a wheel.
+
+    Per metre of road height: bacc (m/s^2), sws (m), dtl (N), pitch_acc and
+    roll_acc (rad/s^2). Phase in degrees, continuous over frequency.
+    """
+    import numpy as np
+
+    from .. import frequency_response
+
+    if not 0.0 < lowest < highest < float("inf"):
+        raise Refusal(f"--from and --to must be 0 < from < to in Hz, got {lowest:g} and {highest:g}")
+    if points < 2:
+        raise Refusal(f"--points must be >= 2, got {points}")
+    if out is not None:
+        check_folder(out, (TABLE, FIGURE), force)
+    with refusals():
+        response = frequency_response(vehicle, np.geomspace(lowest, highest, points))
+    first = next(iter(vehicle.wheels))
+    wanted = {
+        "output": names(output) if output else tuple(f"{kind}_{first}".rstrip("_") for kind in ("bacc", "sws", "dtl")),
+        "input": names(input) if input else (f"z_r_{first}".rstrip("_"),),
+    }
+    for dim, chosen in wanted.items():
+        available = response[dim].values.tolist()
+        if not chosen:
+            raise Refusal(f"--{dim} names none, available: {', '.join(available)}")
+        for name in chosen:
+            if name not in available:
+                raise Refusal(f"--{dim}: no {dim} named {name!r}, available: {', '.join(available)}")
+    response = response.sel({dim: list(dict.fromkeys(chosen)) for dim, chosen in wanted.items()})
+    if out is not None:
+        with refusals():
+            table, figure = _csv(response), _figure(vehicle, response)
+            write_together(out, {TABLE: lambda path: path.write_text(table), FIGURE: figure.savefig})
+    if as_json:
+        typer.echo(json.dumps(_document(vehicle, response)))
+    else:
+        _print(vehicle, response)
+
+
+def _curves(response: "xr.DataArray") -> list[tuple[str, str, str, "NDArray", "NDArray"]]:
+    """Output, input, unit, magnitude and phase in degrees of each curve."""
+    import numpy as np
+
+    from ..responses.labels import QUANTITIES
+
+    curves = []
+    for output in response.output.values.tolist():
+        unit = next(unit for kind, (unit, _) in QUANTITIES.items() if f"{output}_".startswith(f"{kind}_"))
+        for input in response.input.values.tolist():
+            H = response.sel(output=output, input=input).values
+            curves.append((output, input, f"{unit}/m", np.abs(H), np.degrees(np.unwrap(np.angle(H)))))
+    return curves
+
+
+def _csv(response: "xr.DataArray") -> str:
+    header, columns = ["frequency (Hz)"], [response.frequency.values.tolist()]
+    for output, input, unit, magnitude, phase in _curves(response):
+        header += [f"|{output}/{input}| ({unit})", f"phase {output}/{input} (deg)"]
+        columns += [magnitude.tolist(), phase.tolist()]
+    rows = [header, *([repr(number) for number in row] for row in zip(*columns, strict=True))]
+    return "".join(",".join(row) + "\n" for row in rows)
+
+
+def _document(vehicle: "Vehicle", response: "xr.DataArray") -> dict[str, Any]:
+    return {
+        "vehicle": vehicle_document(vehicle),
+        "frequency": {"unit": "Hz", "values": response.frequency.values.tolist()},
+        "responses": [
+            {
+                "output": output,
+                "input": input,
+                "magnitude": {"unit": unit, "values": magnitude.tolist()},
+                "phase": {"unit": "deg", "values": phase.tolist()},
+            }
+            for output, input, unit, magnitude, phase in _curves(response)
+        ],
+    }
+
+
+def _print(vehicle: "Vehicle", response: "xr.DataArray") -> None:
+    from scipy.signal import find_peaks
+
+    frequency = response.frequency.values
+    span = f"{frequency[0]:g} to {frequency[-1]:g} Hz"
+    table = Table("output", "input", "unit")
+    table.add_column("frequency (Hz)", justify="right")
+    table.add_column("magnitude", justify="right")
+    for output, input, unit, magnitude, _ in _curves(response):
+        peaks = find_peaks(magnitude)[0]
+        for peak in peaks:
+            table.add_row(output, input, unit, f"{frequency[peak]:.3g}", f"{magnitude[peak]:.4g}")
+        if not len(peaks):
+            table.add_row(output, input, unit, "none", "")
+    typer.echo(f"{type(vehicle).__name__}: peaks of the response to road height, {span}")
+    print_table(table)
+
+
+def _figure(vehicle: "Vehicle", response: "xr.DataArray") -> "Figure":
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    from ..plots import DPI, LINES, STYLE, WIDTH
+
+    outputs = response.output.values.tolist()
+    styles = dict(zip(response.input.values.tolist(), LINES, strict=False))
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(max(WIDTH, 2.3 * len(outputs)), 4.6), dpi=DPI, layout="constrained")
+        panels = dict(zip(outputs, figure.subplots(2, len(outputs), sharex=True, squeeze=False).T, strict=True))
+        for output, input, unit, magnitude, phase in _curves(response):
+            above, below = panels[output]
+            colour, dashes = styles[input]
+            above.loglog(response.frequency, magnitude, color=colour, linestyle=dashes, label=f"road at {input}")
+            below.semilogx(response.frequency, phase, color=colour, linestyle=dashes)
+            above.set(title=output, ylabel=f"magnitude ({unit})")
+            below.set(xlabel="frequency (Hz)", ylabel="phase (deg)")
+        for axes in figure.axes:
+            axes.grid(which="major", linewidth=0.4, color="0.8")
+        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
+        figure.suptitle(f"{type(vehicle).__name__}: response to road height")
+    return figure

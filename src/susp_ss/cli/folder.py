@@ -1,0 +1,38 @@
+"""The folder of ``--out``: kept unless forced, and never left with half of the results."""
+
+import os
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from .refusals import Refusal
+
+
+def check_folder(out: Path, files: Sequence[str], force: bool) -> None:
+    """Refuse a folder that is none, or that holds results already, before any work is done.
+
+    Raises
+    ------
+    Refusal
+    """
+    if out.exists() and not out.is_dir():
+        raise Refusal(f"--out {out} is a file, not a folder")
+    held = [name for name in files if (out / name).exists()]
+    if held and not force:
+        raise Refusal(f"--out {out} holds results already ({', '.join(held)}); pass --force to replace them")
+
+
+def write_together(out: Path, files: Mapping[str, Callable[[Path], object]]) -> None:
+    """Write files of a folder, each by its own function, all or none.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be written.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".susp-ss-", dir=out) as scratch:
+        for name, write in files.items():
+            write(Path(scratch, name))
+        for name in files:
+            os.replace(Path(scratch, name), out / name)

@@ -1,0 +1,108 @@
+"""``susp-ss metrics``: the ride of one vehicle on one road."""
+
+import json
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from .documents import json_number, road_document, vehicle_document
+from .options import Json, built_from, print_table, road_from_options, vehicle_from_options
+from .refusals import Refusal, refusals
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..roads import Road
+    from ..vehicles import Vehicle
+
+
+@built_from(vehicle=vehicle_from_options, road=road_from_options)
+def run(
+    vehicle: "Vehicle",
+    road: "Road",
+    method: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="covariance: exact, for waviness 2; spectral: any waviness; time: a synthesised record, with "
+            "standard errors.",
+        ),
+    ] = "covariance",
+    duration: Annotated[
+        float | None,
+        typer.Option(metavar="s", help="Length of the record, with --method time.", show_default="600"),
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(metavar="N", help="Seed of the record, with --method time.", show_default="0")
+    ] = None,
+    template: Annotated[
+        bool, typer.Option("--template", help="Print the vehicle as a file for --vehicle, and compute nothing.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Root mean squares of a vehicle's ride on a random road.
+
+    bacc: body acceleration (m/s^2) at the centre of gravity and each wheel
+    sws: suspension deflection (m)
+    dtl: dynamic tyre load (N)
+    pitch_acc, roll_acc: angular acceleration of the body (rad/s^2)
+    damper_power: mean power dissipated in each damper (W)
+
+    An infinite variance shows as inf, in JSON as the text "inf".
+    """
+    from .. import ride_metrics
+    from ..vehicles.files import vehicle_text
+
+    if template:
+        typer.echo(vehicle_text(vehicle))
+        return
+    record = {name: value for name, value in (("duration", duration), ("seed", seed)) if value is not None}
+    if record and method != "time":
+        raise Refusal(f"--{next(iter(record))} belongs to --method time, got --method {method}")
+    with refusals(), Console(stderr=True).status("computing"):
+        result = ride_metrics(vehicle, road, method=method, **record)
+    if as_json:
+        typer.echo(json.dumps(_document(vehicle, road, method, result), indent=2))
+    else:
+        _print(vehicle, road, result)
+
+
+def _document(vehicle: "Vehicle", road: "Road", method: str, result: "xr.Dataset") -> dict[str, Any]:
+    """Everything asked and answered, in SI units."""
+    return {
+        "vehicle": vehicle_document(vehicle),
+        "road": road_document(road),
+        "method": method,
+        "units": {name: data.attrs["units"] for name, data in result.items()},
+        "metrics": {
+            name: {place: json_number(value) for place, value in _by_place(data)}
+            if data.dims
+            else json_number(data.item())
+            for name, data in result.items()
+        },
+    }
+
+
+def _by_place(data: "xr.DataArray") -> list[tuple[str, float]]:
+    (dim,) = data.dims
+    return list(zip(data[dim].values.tolist(), data.values.tolist(), strict=True))
+
+
+def _print(vehicle: "Vehicle", road: "Road", result: "xr.Dataset") -> None:
+    places = result.point.values.tolist() if "point" in result.dims else []
+    table = Table("metric", "unit")
+    for place in places or ["value"]:
+        table.add_column(place, justify="right")
+    for name, data in result.items():
+        if data.dims:
+            at = dict(_by_place(data))
+            cells = [f"{at[place]:.4g}" if place in at else "" for place in places]
+        else:
+            cells = [f"{data.item():.4g}"]
+        table.add_row(str(name), data.attrs["units"], *cells)
+    typer.echo(f"{type(vehicle).__name__}; {road.describe()}")
+    print_table(table)
+    for name, data in result.items():
+        typer.echo(f"{name}: {data.attrs['long_name']}")

@@ -1,0 +1,27 @@
+"""What the package refuses, as the one line that the user sees."""
+
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+class Refusal(Exception):
+    """Bad input; the message is the whole line."""
+
+
+@contextmanager
+def refusals() -> Iterator[None]:
+    """Turn a refusal of the package into `Refusal`.
+
+    An OSError speaks for itself. A ValueError or TypeError is the package's word about its arguments only where the
+    package raised it; from inside another library it is a bug, and passes.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise Refusal(f"{error.filename}: {error.strerror}" if error.filename else str(error)) from error
+    except (ValueError, TypeError) as error:
+        *_, (frame, _) = traceback.walk_tb(error.__traceback__)
+        if frame.f_globals.get("__name__", "").split(".")[0] != "susp_ss":
+            raise
+        raise Refusal(str(error)) from error

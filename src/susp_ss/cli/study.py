@@ -1,0 +1,104 @@
+"""``susp-ss study``: the feasibility study, and the scan over scenarios."""
+
+import functools
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from .folder import check_folder, write_together
+from .options import Force, Json, built_from, flag, road_from_options
+from .refusals import Refusal, refusals
+
+if TYPE_CHECKING:
+    from ..roads import Road
+
+SCAN_FILE = "scan.csv"
+
+
+@built_from(road=functools.partial(road_from_options, tracks="isotropic"))
+def run(
+    context: typer.Context,
+    road: "Road",
+    corner: Annotated[
+        str, typer.Option(metavar="NAME", help="Where the full car is measured: fr, fl, rr or rl.")
+    ] = "fr",
+    nodes: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Springs and dampers on the N x N grid.", show_default="20; 10 with --scan"),
+    ] = None,
+    nonnegative: Annotated[
+        bool, typer.Option("--nonnegative/--free", help="Whether coefficients are kept from being negative.")
+    ] = False,
+    scan: Annotated[
+        bool,
+        typer.Option(
+            "--scan",
+            help="Instead, fit in many scenarios and rank these by their distance to the published tables. Varies the "
+            "road, the place and the fit itself, so that only --nodes, --out, --force and --json go with it.",
+        ),
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help=f"Write tables, responses and figures here ({SCAN_FILE} with --scan); without it nothing is written.",
+            show_default=False,
+        ),
+    ] = None,
+    force: Force = False,
+    figures: Annotated[bool, typer.Option("--figures/--no-figures", help="Whether FOLDER gets figures.")] = True,
+    as_json: Json = False,
+) -> None:
+    """Tune a quarter car to a full car three ways, beside the published tables.
+
+    Springs from 12536 to 24570 N/m, dampers from 798 to 2235 N s/m. Root mean
+    squares of body acceleration (bacc, m/s^2), dynamic tyre load (dtl, N) and
+    suspension working space (sws, m).
+    """
+    if scan:
+        _refuse_fixed(context)
+        _scan(10 if nodes is None else nodes, out, force, as_json)
+        return
+
+    from .. import feasibility_study
+    from ..report import DATA, FIGURE_FILES, _document
+
+    if out is not None:
+        check_folder(out, (*DATA, *FIGURE_FILES), force)
+    working = Console(stderr=True).status
+    size = 20 if nodes is None else nodes
+    with refusals(), working("fitting the surrogates"):
+        study = feasibility_study(road, corner, (size, size), nonnegative)
+    if out is not None:
+        with refusals(), working(f"writing {out}"):
+            study.save(out, force=force, figures=figures)
+    if as_json:
+        typer.echo(json.dumps(_document(study), indent=2))
+    else:
+        typer.echo(study.report(), nl=False)
+
+
+def _refuse_fixed(context: typer.Context) -> None:
+    """Refuse options that fix what the scan varies."""
+    for name in context.params:
+        source = context.get_parameter_source(name)
+        if name not in ("nodes", "scan", "out", "force", "as_json") and source and source.name == "COMMANDLINE":
+            raise Refusal(f"{flag(name)} does not go with --scan, which varies it or has no use for it")
+
+
+def _scan(nodes: int, out: Path | None, force: bool, as_json: bool) -> None:
+    from ..scan import scan_report, scan_scenarios
+
+    if out is not None:
+        check_folder(out, (SCAN_FILE,), force)
+    with refusals():
+        table = scan_scenarios((nodes, nodes), progress=Console(stderr=True).is_terminal)
+        if out is not None:
+            write_together(out, {SCAN_FILE: lambda path: table.to_csv(path, index=False)})
+    if as_json:
+        typer.echo(table.to_json(orient="records", double_precision=15, indent=2))
+    else:
+        typer.echo(scan_report(table), nl=False)

@@ -1,0 +1,231 @@
+"""Vehicles from TOML files in which every value states its unit.
+
+A file names its model and, in the table ``parameters``, as many of the model's fields as it likes; the others keep
+their defaults::
+
+    model = "full"
+
+    [parameters]
+    mb = { value = 1.31, unit = "t" }
+    ks = { fr = 18.0, fl = 18.0, rr = 21.0, rl = 21.0, unit = "kN/m" }
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from .full import FullCar
+from .half import PitchHalfCar, RollHalfCar
+from .parameters import Corners
+from .quarter import QuarterCar, RigidTyreQuarterCar
+from .vehicle import Vehicle
+
+MODELS: dict[str, type[Vehicle]] = {
+    "full": FullCar,
+    "quarter": QuarterCar,
+    "rigid-tyre": RigidTyreQuarterCar,
+    "pitch-half": PitchHalfCar,
+    "roll-half": RollHalfCar,
+}
+"""Name of each model in files and on the command line."""
+
+UNITS: dict[str, dict[str, float]] = {
+    "kg": {"kg": 1.0, "t": 1e3},
+    "kg m^2": {"kg m^2": 1.0},
+    "m": {"m": 1.0, "mm": 1e-3},
+    "N/m": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3},
+    "N s/m": {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3},
+}
+"""For each SI unit of a parameter, the units a file may state, and how much of the SI unit one of them is."""
+
+
+def model_named(name: str) -> type[Vehicle]:
+    """Return the vehicle class of a model's name.
+
+    Raises
+    ------
+    ValueError
+        No such model.
+
+    Examples
+    --------
+    >>> from susp_ss.vehicles.files import model_named
+    >>> model_named("pitch-half").__name__
+    'PitchHalfCar'
+    """
+    if not isinstance(name, str) or name not in MODELS:
+        raise ValueError(f"no model named {name!r}, available: {', '.join(MODELS)}")
+    return MODELS[name]
+
+
+def model_name(vehicle: Vehicle) -> str:
+    """Return the name of a vehicle's model.
+
+    Examples
+    --------
+    >>> from susp_ss import RollHalfCar
+    >>> from susp_ss.vehicles.files import model_name
+    >>> model_name(RollHalfCar())
+    'roll-half'
+    """
+    return next(name for name, car in MODELS.items() if car is type(vehicle))
+
+
+def read_vehicle(path: str | PathLike[str]) -> Vehicle:
+    """Read a vehicle file.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file: ``model``, and the table ``parameters`` with ``{ value = ..., unit = "..." }`` for each field, or
+        one value a corner in place of ``value`` (fr, fl, rr, rl; f, r; or r, l). Fields left out keep their
+        defaults. ``UNITS`` lists the units.
+
+    Returns
+    -------
+    Vehicle
+
+    Raises
+    ------
+    OSError
+        The file cannot be read.
+    ValueError
+        The file is not TOML (with line and column), or has an unknown key, model, corner or unit, a missing one, or a
+        value that the vehicle refuses. Every message begins with the file's name.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from susp_ss.vehicles.files import read_vehicle
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "car.toml")
+    >>> _ = path.write_text('model = "quarter"\\n[parameters]\\nks = { value = 20.0, unit = "N/mm" }\\n')
+    >>> read_vehicle(path).ks
+    20000.0
+    """
+    table = _toml(Path(path))
+    try:
+        return _vehicle(table)
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def vehicle_text(vehicle: Vehicle) -> str:
+    """Write a vehicle of one number for every parameter as a vehicle file, for `read_vehicle`.
+
+    Raises
+    ------
+    ValueError
+        A parameter is an array.
+
+    Examples
+    --------
+    >>> from susp_ss import RigidTyreQuarterCar
+    >>> from susp_ss.vehicles.files import vehicle_text
+    >>> print(vehicle_text(RigidTyreQuarterCar(ks=20e3)))
+    # A vehicle for susp-ss. Every value states its unit; a parameter that is left out keeps its default.
+    # Units: kg, t; N/m, N/mm, kN/m; N s/m, N s/mm, kN s/m.
+    model = "rigid-tyre"
+    <BLANKLINE>
+    [parameters]
+    ms = { value = 317.5, unit = "kg" }  # sprung mass, > 0
+    ks = { value = 20000.0, unit = "N/m" }  # spring stiffness, > 0
+    cs = { value = 1516.5, unit = "N s/m" }  # damping rate, >= 0
+    """
+    fields = dataclasses.fields(vehicle)
+    known = dict.fromkeys(field.metadata["unit"] for field in fields)
+    lines = [
+        "# A vehicle for susp-ss. Every value states its unit; a parameter that is left out keeps its default.",
+        f"# Units: {'; '.join(', '.join(UNITS[unit]) for unit in known)}.",
+    ]
+    if vehicle.per_corner:
+        values = ", ".join(f"{wheel} = 18.5" for wheel in vehicle.wheels)
+        lines += [
+            f"# {', '.join(vehicle.per_corner)} may have a value for each wheel in place of one for all:",
+            f'# ks = {{ {values}, unit = "kN/m" }}',
+        ]
+    lines += [f'model = "{model_name(vehicle)}"', "", "[parameters]"]
+    for field in fields:
+        # Numbers and plain names read the same in TOML as in Python, but for the quotes.
+        parts = ", ".join(f"{key} = {part!r}" for key, part in entry(vehicle, field).items()).replace("'", '"')
+        bound = ">= 0" if field.metadata["zero"] else "> 0"
+        lines.append(f"{field.name} = {{ {parts} }}  # {field.metadata['meaning']}, {bound}")
+    return "\n".join(lines)
+
+
+def entry(vehicle: Vehicle, field: dataclasses.Field) -> dict[str, float | str]:
+    """One parameter as a vehicle file holds it: its value, or its value at each wheel, and its unit."""
+    value = getattr(vehicle, field.name)
+    at_wheels = isinstance(value, (Corners, tuple))
+    parts = dict(zip(vehicle.wheels, value, strict=True)) if at_wheels else {"value": value}
+    if not all(isinstance(part, float) for part in parts.values()):
+        raise ValueError(f"a vehicle file needs one number for every parameter, got an array for {field.name}")
+    return {**parts, "unit": field.metadata["unit"]}
+
+
+def _toml(path: Path) -> dict[str, Any]:
+    raw = path.read_bytes()
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = raw[: error.start]
+        line, column = before.count(b"\n") + 1, error.start - before.rfind(b"\n")
+        raise ValueError(f"{path}: not UTF-8 text (at line {line}, column {column})") from None
+    try:
+        return tomllib.loads(text)
+    # Not every failure of the parser is its own: numbers of too many digits, values nested too deeply.
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{path}: not TOML: {error}") from None
+
+
+def _vehicle(table: dict[str, Any]) -> Vehicle:
+    _refuse_unknown("key", table, ("model", "parameters"), "")
+    if "model" not in table:
+        raise ValueError(f'model is missing; write model = "full", or one of {", ".join(MODELS)}')
+    car = model_named(table["model"])
+    parameters = table.get("parameters", {})
+    if not isinstance(parameters, dict):
+        raise ValueError(f"parameters must be a table, [parameters], got {parameters!r}")
+    fields = {field.name: field for field in dataclasses.fields(car)}
+    _refuse_unknown("parameter", parameters, tuple(fields), f" of the model {table['model']!r}")
+    return car(**{name: _value(car, fields[name], entry) for name, entry in parameters.items()})
+
+
+def _value(car: type[Vehicle], field: dataclasses.Field, entry: Any) -> Any:
+    name, units = field.name, UNITS[field.metadata["unit"]]
+    wheels = tuple(car.wheels) if field.name in car.per_corner else ()
+    if not isinstance(entry, dict):
+        raise ValueError(
+            f'{name} must state its unit, {name} = {{ value = ..., unit = "{field.metadata["unit"]}" }}, got {entry!r}'
+        )
+    _refuse_unknown("key", entry, ("value", *wheels, "unit"), f" of {name}")
+    unit = entry.get("unit")
+    if not isinstance(unit, str) or unit not in units:
+        got = f", got {unit!r}" if "unit" in entry else ", got none"
+        raise ValueError(f"{name}.unit must be one of {', '.join(units)}{got}")
+    keys = [key for key in entry if key != "unit"]
+    if keys == ["value"]:
+        return _number(f"{name}.value", entry["value"]) * units[unit]
+    if not keys or set(keys) != set(wheels):
+        need = "value" + (f", or a value for each of {', '.join(wheels)}" if wheels else "")
+        raise ValueError(f"{name} must have {need}, got {', '.join(keys) or 'none'}")
+    values = {wheel: _number(f"{name}.{wheel}", entry[wheel]) * units[unit] for wheel in wheels}
+    return Corners(**values) if len(wheels) == 4 else tuple(values.values())
+
+
+def _number(where: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError(f"{where} must be a number, got {value!r}")
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{where} must be a finite number, got one of {len(str(value))} digits") from None
+
+
+def _refuse_unknown(kind: str, table: dict[str, Any], known: tuple[str, ...], of: str) -> None:
+    for key in table:
+        if key not in known:
+            raise ValueError(f"no {kind}{of} named {key!r}, available: {', '.join(known)}")
