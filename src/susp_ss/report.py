@@ -168,8 +168,8 @@ def _replace(written: Path, target: Path, held: list[str]) -> None:
 
 def _write(study: Study, folder: Path, figures: bool) -> None:
     study.comparison().to_csv(folder / "tables.csv", index=False)
-    document = json.dumps(_document(study), indent=2, allow_nan=False)
-    (folder / "tables.json").write_text(document + "\n", encoding="utf-8")
+    tables = json.dumps(document(study), indent=2, allow_nan=False)
+    (folder / "tables.json").write_text(tables + "\n", encoding="utf-8")
     study.responses.to_netcdf(folder / "responses.nc", engine="netcdf4")
     if figures:
         from .plots import DPI
@@ -189,7 +189,7 @@ def _figures(study: Study) -> Iterator[Figure]:
     yield plots.bode_magnitude(plots.study_curves(study.corner))
 
 
-def _document(study: Study) -> dict[str, Any]:
+def document(study: Study) -> dict[str, Any]:
     """Everything but the responses, as JSON knows it: NaN becomes null."""
     tables: dict[str, Any] = {surrogate: {criterion: {} for criterion in CRITERIA} for surrogate in SURROGATES}
     for row in study.comparison().to_dict("records"):

@@ -82,8 +82,11 @@ def scan_scenarios(nodes: tuple[int, int] = (10, 10), progress: bool = False) ->
 
     Examples
     --------
-    >>> from susp_ss.scan import scan_report, scan_scenarios
-    >>> print(scan_report(scan_scenarios()))  # doctest: +SKIP
+    The whole scan takes half a minute. What it varies:
+
+    >>> from susp_ss.scan import FACTORS
+    >>> ", ".join(FACTORS)
+    'excited, tracks, delay, speed, waviness, cutoff, place, road_class, fit'
     """
     size = checked_nodes(nodes)
     cases = list(_roads())

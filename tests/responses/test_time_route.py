@@ -30,7 +30,7 @@ def deviations(metrics, exact):
         np.testing.assert_array_equal(np.isinf(value), np.isinf(expected))
         counts = np.isfinite(expected) & (expected > 1e-6)
         errors.append((stderr[counts] / expected[counts]).ravel())
-        scores.append(((value - expected)[counts] / stderr[counts]).ravel())
+        scores.append(((value[counts] - expected[counts]) / stderr[counts]).ravel())
     return np.concatenate(errors), np.concatenate(scores)
 
 

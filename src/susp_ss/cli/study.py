@@ -64,7 +64,7 @@ def run(
         return
 
     from .. import feasibility_study
-    from ..report import DATA, FIGURE_FILES, _document
+    from ..report import DATA, FIGURE_FILES, document
 
     if out is not None:
         check_folder(out, (*DATA, *FIGURE_FILES), force)
@@ -76,7 +76,7 @@ def run(
         with refusals(), working(f"writing {out}"):
             study.save(out, force=force, figures=figures)
     if as_json:
-        typer.echo(json.dumps(_document(study), indent=2))
+        typer.echo(json.dumps(document(study), indent=2))
     else:
         typer.echo(study.report(), nl=False)
 

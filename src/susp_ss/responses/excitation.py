@@ -91,7 +91,7 @@ def refuse_unbounded(vehicle: Vehicle, road: Road, warp: NDArray | None) -> None
         if at_once + later != 0.0 or diverges:
             raise ValueError(
                 f"the warp of the road under the four wheels has no finite variance ({road.describe()}), so that "
-                "SWS and DTL have none either; pass cutoff > 0, or let the road reach whole axles or whole tracks"
+                "SWS and DTL have none either; pass cutoff > 0, or let all wheels see a road of waviness 2"
             )
 
 
