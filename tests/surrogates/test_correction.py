@@ -71,8 +71,38 @@ def test_nonnegative_fits_are_scipys_nnls(seed, size, n):
         expected = nnls(columns / scale, target)[0]
         fitted = surrogate.fit(X, y)
         ours = np.array([fitted.intercept_, *fitted.coef_]) * scale
-        assert (ours >= 0).all()
-        np.testing.assert_allclose(ours, expected, rtol=1e-8, atol=1e-8 * np.linalg.norm(target))
+        assert ((ours == 0.0) == (expected == 0.0)).all()
+        np.testing.assert_allclose(ours, expected, rtol=1e-8)
+
+
+@given(st.integers(0, 10_000))
+@settings(max_examples=40, deadline=None)
+def test_nonnegative_fits_near_a_corner(seed):
+    """Coefficients and multipliers of every size down to 1e-12: an interior point alone blurs them."""
+    rng = np.random.default_rng(seed)
+    X = designs(30, seed)
+    columns = np.column_stack([np.ones(30), X])
+    scale = np.linalg.norm(columns, axis=0)
+    unit = columns / scale
+    sizes, positive = 10.0 ** rng.uniform(-12, 0, 3), rng.random(3) < 0.5
+    residual = rng.normal(size=30)
+    residual -= unit @ np.linalg.lstsq(unit, residual)[0]
+    # The optimality conditions: unit a + w, where the gradient unit' w is minus the multipliers.
+    w = -unit @ np.linalg.solve(unit.T @ unit, np.where(positive, 0.0, sizes))
+    target = unit @ np.where(positive, sizes, 0.0) + w + 1e-3 * residual
+    fitted = ss.VariableBased(curved, nonnegative=True).fit(X, curved(X) + target)
+    ours = np.array([fitted.intercept_, *fitted.coef_]) * scale
+    assert (ours >= 0.0).all()
+    expected = nnls(unit, (curved(X) + target) - curved(X))[0]
+    np.testing.assert_allclose(ours, expected, rtol=0, atol=1e-8 * np.linalg.norm(target))
+
+
+def test_nonnegative_fit_of_many_scenes_never_stops_short():
+    for seed in range(150):
+        X, rng = designs(25, seed), np.random.default_rng(seed)
+        y = curved(X) - rng.uniform(0, 1) + 10.0 ** rng.uniform(-6, 0) * rng.normal(size=25)
+        fitted = ss.VariableBased(curved, nonnegative=True).fit(X, y)
+        assert min(fitted.intercept_, *fitted.coef_) >= 0.0
 
 
 @pytest.mark.parametrize(
@@ -92,7 +122,7 @@ def test_masked_terms_are_zero_and_the_rest_is_optimal(terms):
 def test_nonnegative_fit_at_its_corner_is_zero():
     X = designs(50, 4)
     fitted = ss.VariableBased(curved, nonnegative=True).fit(X, curved(X) - 1.0)
-    np.testing.assert_allclose([fitted.intercept_, *fitted.coef_], 0.0, atol=1e-9)
+    assert [fitted.intercept_, *fitted.coef_] == [0.0, 0.0, 0.0]
 
 
 def test_named_columns_are_checked():
@@ -117,6 +147,11 @@ def constant(X):
         (ss.ResponseBased(curved, terms=(True,)), ValueError, "terms must be 2 of True or False"),
         (ss.ResponseBased(curved, terms=(False, False)), ValueError, "at least one True"),
         (ss.VariableBased(curved, terms=(1, 1, 1)), ValueError, "terms must be 3 of True or False"),
+        (ss.VariableBased(curved, terms=((True, False), True)), ValueError, "terms must be 3 of True or False"),
+        (ss.VariableBased(curved, nonnegative="no"), ValueError, "nonnegative must be True or False, got 'no'"),
+        (ss.ResponseBased(lambda X: 1j * X[:, 0]), ValueError, "real numbers, got complex128"),
+        (ss.ResponseBased(lambda X: ["a"] * len(X)), ValueError, "real numbers, got <U1"),
+        (ss.ResponseBased(lambda X: None), ValueError, r"shape \(20,\), got \(\)"),
     ],
 )
 def test_bad_settings(surrogate, error, words):
@@ -142,5 +177,13 @@ def test_a_failed_solve_is_an_error(monkeypatch):
     import cvxpy
 
     monkeypatch.setattr(cvxpy.Problem, "status", property(lambda self: cvxpy.OPTIMAL_INACCURATE))
-    with pytest.raises(RuntimeError, match="optimal_inaccurate"):
+    for nonnegative in (False, True):
+        with pytest.raises(RuntimeError, match="optimal_inaccurate"):
+            ss.ResponseBased(curved, nonnegative=nonnegative).fit(designs(20, 8), np.arange(20.0))
+
+    def breaks(self, **settings):
+        raise cvxpy.SolverError("Solver 'CLARABEL' failed")
+
+    monkeypatch.setattr(cvxpy.Problem, "solve", breaks)
+    with pytest.raises(RuntimeError, match="was not solved: Solver 'CLARABEL' failed"):
         ss.ResponseBased(curved).fit(designs(20, 8), np.arange(20.0))

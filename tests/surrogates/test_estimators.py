@@ -24,6 +24,8 @@ class Plain:
 ESTIMATORS = [
     ss.ResponseBased(low_fidelity=Plain()),
     ss.VariableBased(low_fidelity=Plain()),
+    ss.ResponseBased(low_fidelity=Plain(), nonnegative=True),
+    ss.VariableBased(low_fidelity=Plain(), nonnegative=True),
     ss.ParameterBased(low_fidelity=Plain(), bounds=(0.01, 100.0)),
 ]
 

@@ -2,7 +2,9 @@
 
 Both are linear in their coefficients, so that the fit is a convex least-squares problem with one solution; the study
 calls them nonlinear. Columns are centred and scaled and reduced to a triangle before they reach the solver: spring
-rates, damping rates and responses span seven orders of magnitude.
+rates, damping rates and responses span seven orders of magnitude. The solver's path is that of an interior point, which
+only nears the coefficients that nonnegativity holds at zero; it shows which those are, and the others are fitted again
+without them.
 """
 
 from __future__ import annotations
@@ -21,6 +23,13 @@ Array = NDArray[np.float64]
 
 # Columns that are this close to a combination of the others cannot be told apart from them.
 DEPENDENT = 1e-10
+
+# Of the solver, on a problem scaled to one.
+TOLERANCE = 1e-12
+
+# Scaled coefficients below this are held at zero by nonnegativity: the solver brings them to its tolerance over their
+# multiplier.
+HELD = 1e-9
 
 
 class _Correction(RegressorMixin, BaseEstimator):
@@ -43,12 +52,14 @@ class _Correction(RegressorMixin, BaseEstimator):
     def fit(self, X: ArrayLike, y: ArrayLike) -> Any:
         """Tune the coefficients to the expensive responses y (n,) at the designs X (n, k)."""
         designs, responses = validate_data(self, X, y, y_numeric=True, dtype=float, ensure_min_samples=2)
+        if not isinstance(self.nonnegative, bool | np.bool_):
+            raise ValueError(f"nonnegative must be True or False, got {self.nonnegative!r}")
         columns, offset, names = self._split(designs, evaluated(self.low_fidelity, designs))
         keep = _kept(self.terms, columns.shape[1])
         kept_names = [name for name, kept in zip(names, keep, strict=True) if kept]
         every = np.column_stack([np.ones(len(designs)), columns])
         coefficients = np.zeros(len(keep))
-        coefficients[keep] = least_squares(every[:, keep], responses - offset, bool(self.nonnegative), kept_names)
+        coefficients[keep] = least_squares(every[:, keep], responses - offset, self.nonnegative, kept_names)
         self.intercept_, self.coef_ = float(coefficients[0]), coefficients[1:]
         return self
 
@@ -70,14 +81,15 @@ class ResponseBased(_Correction):
     """Response-based surrogate (RB): the cheap response, scaled and shifted.
 
     ``S(x) = a0 + a1 f(x)``, fitted by ``min sum (S - F)^2`` (*Feasibility study of surrogate model for the application
-    of vehicle suspension system*, 2021, Eqs 43 and 46).
+    of vehicle suspension system*, 2021, Eqs 43 and 46). S is linear in a0 and a1, whatever f is, so that the fit is
+    convex, though the study calls it nonlinear.
 
     Parameters
     ----------
     low_fidelity : callable
-        ``f(X)``, designs (n, k) to responses (n,), such as `susp_ss.Response`.
+        ``f(X)``, designs (n, k) as an array of floats to responses (n,), such as `susp_ss.Response`.
     nonnegative : bool
-        Keep every coefficient >= 0, a0 included.
+        Keep every coefficient >= 0, a0 included. By default they are free.
     terms : sequence of bool, optional
         Which of (a0, a1) to fit; the others are 0.
 
@@ -91,10 +103,10 @@ class ResponseBased(_Correction):
     Raises
     ------
     TypeError, ValueError
-        A low-fidelity model that is not callable or returns no finite (n,), bad terms, or designs at which the
-        coefficients cannot be told apart; the column is named.
+        From `fit`: a low-fidelity model that is not callable or returns no finite (n,), bad terms, or designs at which
+        the coefficients cannot be told apart; the column is named.
     RuntimeError
-        The solver did not reach the optimum.
+        From `fit`: the solver did not reach the optimum.
 
     Examples
     --------
@@ -114,14 +126,15 @@ class VariableBased(_Correction):
     """Variable-based surrogate (VB): the cheap response plus a plane in the design variables.
 
     ``S(x) = f(x) + a0 + sum a_i x_i``, fitted by ``min sum (S - F)^2`` (*Feasibility study of surrogate model for the
-    application of vehicle suspension system*, 2021, Eqs 44 and 46).
+    application of vehicle suspension system*, 2021, Eqs 44 and 46). S is linear in the coefficients and the fit
+    convex, though the study calls it nonlinear.
 
     Parameters
     ----------
     low_fidelity : callable
-        ``f(X)``, designs (n, k) to responses (n,), such as `susp_ss.Response`.
+        ``f(X)``, designs (n, k) as an array of floats to responses (n,), such as `susp_ss.Response`.
     nonnegative : bool
-        Keep every coefficient >= 0, a0 included.
+        Keep every coefficient >= 0, a0 included. By default they are free.
     terms : sequence of bool, optional
         Which of (a0, a1, ..., ak) to fit; the others are 0.
 
@@ -158,10 +171,11 @@ def least_squares(columns: Array, target: Array, nonnegative: bool, names: Seque
     Parameters
     ----------
     columns : ndarray, (n, m)
-        A first column of ones is the intercept: the others are then centred.
     target : ndarray, (n,)
+    nonnegative : bool
+        Coefficients at zero are then exactly zero.
     names : sequence of str
-        Of the columns, for messages.
+        Of the columns. A first one named a0 is the intercept, a column of ones: the others are then centred.
 
     Returns
     -------
@@ -174,12 +188,38 @@ def least_squares(columns: Array, target: Array, nonnegative: bool, names: Seque
     RuntimeError
         The solver stopped short of the optimum.
     """
-    import cvxpy as cp
-
     n, m = columns.shape
     if n < m:
         raise ValueError(f"{m} coefficients need at least {m} designs, got {n} sample(s)")
-    # From scaled to physical coefficients: a = T b, where T undoes scaling and, with an intercept, centring.
+    T = _conditioner(columns, names)
+    Q, R = np.linalg.qr(columns @ T)
+    weak = np.abs(np.diag(R)) < DEPENDENT * np.sqrt(n)
+    if weak.any():
+        raise ValueError(
+            f"{names[int(np.argmax(weak))]} is constant or depends on the others, so that its coefficient is "
+            "undetermined; vary it, or leave it out with terms"
+        )
+    unit = np.abs(target).max() or 1.0
+    R, q = R / np.sqrt(n), Q.T @ target / (np.sqrt(n) * unit)
+    if not nonnegative:
+        return unit * (T @ _solved(R, q))
+    # The constraint in units of each coefficient's own size.
+    size = np.abs(T).max(axis=1)
+    positive = (T / size[:, None]) @ _solved(R, q, T / size[:, None]) > HELD
+    a = np.zeros(m)
+    while positive.any():
+        kept = [name for name, is_positive in zip(names, positive, strict=True) if is_positive]
+        a[positive] = least_squares(columns[:, positive], target, False, kept)
+        if (a >= 0.0).all():
+            break
+        # So near the corner that the tolerance took it for positive.
+        positive[np.argmin(a / size)] = False
+        a[:] = 0.0
+    return a
+
+
+def _conditioner(columns: Array, names: Sequence[str]) -> Array:
+    """T (m, m) with ``a = T b``, where the columns of b are scaled to one and, beside an intercept, centred."""
     scale = np.abs(columns).max(axis=0)
     T = np.diag(1.0 / np.where(scale > 0.0, scale, 1.0))
     if names[0] == "a0":
@@ -188,33 +228,32 @@ def least_squares(columns: Array, target: Array, nonnegative: bool, names: Seque
         spread = np.where(spread > DEPENDENT * scale[1:], spread, np.inf)
         T[1:, 1:] = np.diag(1.0 / spread)
         T[0, 1:] = -mean / spread
-    Q, R = np.linalg.qr(columns @ T)
-    weak = np.abs(np.diag(R)) < DEPENDENT * np.sqrt(n)
-    if weak.any():
-        raise ValueError(f"{names[int(np.argmax(weak))]} is constant or depends on the others, so that its coefficient "
-                         "is undetermined; vary it, or leave it out with terms")  # fmt: skip
-    unit = np.abs(target).max() or 1.0
-    b = cp.Variable(m)
-    # Coefficients >= 0 in units of their own size.
-    size = np.abs(T).max(axis=1)
-    constraints = [(T / size[:, None]) @ b >= 0] if nonnegative else []
-    root = np.sqrt(n)
-    problem = cp.Problem(cp.Minimize(cp.sum_squares((R / root) @ b - Q.T @ target / (root * unit))), constraints)
-    tight = {"tol_gap_abs": 1e-15, "tol_gap_rel": 1e-15, "tol_feas": 1e-14, "max_iter": 200}
-    problem.solve(solver=cp.CLARABEL, **tight)
+    return T
+
+
+def _solved(R: Array, q: Array, nonnegative: Array | None = None) -> Array:
+    """The b that minimises ``|R b - q|^2``, where ``nonnegative @ b >= 0``."""
+    import cvxpy as cp
+
+    b = cp.Variable(len(q))
+    constraints = [] if nonnegative is None else [nonnegative @ b >= 0]
+    problem = cp.Problem(cp.Minimize(cp.sum_squares(R @ b - q)), constraints)
+    try:
+        problem.solve(solver=cp.CLARABEL, tol_gap_abs=TOLERANCE, tol_gap_rel=TOLERANCE, tol_feas=TOLERANCE)
+    except cp.SolverError as error:
+        raise RuntimeError(f"the least-squares problem was not solved: {error}") from error
     if problem.status != cp.OPTIMAL:
         raise RuntimeError(f"the least-squares problem was not solved: cvxpy reports {problem.status}")
-    a = unit * (T @ np.asarray(b.value))
-    return np.maximum(a, 0.0) if nonnegative else a
+    return np.asarray(b.value)
 
 
 def _kept(terms: Sequence[bool] | None, columns: int) -> NDArray[np.bool_]:
     if terms is None:
         return np.ones(columns + 1, dtype=bool)
-    kept = np.asarray(terms)
-    if kept.dtype.kind != "b" or kept.shape != (columns + 1,) or not kept.any():
+    kept = np.asarray(terms, dtype=object)
+    if kept.shape != (columns + 1,) or not all(isinstance(k, bool | np.bool_) for k in kept) or not kept.any():
         raise ValueError(
             f"terms must be {columns + 1} of True or False, one for each of a0 to a{columns} and at least one True, "
             f"got {terms!r}"
         )
-    return kept
+    return kept.astype(bool)

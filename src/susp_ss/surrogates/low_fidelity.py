@@ -9,22 +9,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def evaluated(low_fidelity: Callable[..., Any], *arguments: Any) -> NDArray[np.float64]:
-    """Return ``low_fidelity(X, ...)`` as one finite number a design, or say what it returned instead.
+def evaluated(low_fidelity: Callable[..., Any], X: NDArray[np.float64], *value: float) -> NDArray[np.float64]:
+    """Return ``low_fidelity(X)`` or ``low_fidelity(X, value)`` as one finite number a design.
 
     Raises
     ------
     TypeError
         ``low_fidelity`` cannot be called.
     ValueError
-        It returned another shape, or NaN or inf.
+        It returned another shape, or something else than finite real numbers.
     """
+    check_callable(low_fidelity)
+    response = np.asarray(low_fidelity(X, *value))
+    where = "".join(f" at the parameter's value {v:g}" for v in value)
+    if response.shape != (len(X),):
+        raise ValueError(
+            f"low_fidelity must return one number for each design, shape {(len(X),)}, got {response.shape}{where}"
+        )
+    if response.dtype.kind not in "iuf":
+        raise ValueError(f"low_fidelity must return real numbers, got {response.dtype}{where}")
+    if not np.isfinite(response).all():
+        raise ValueError(f"low_fidelity must return finite numbers, got {response[~np.isfinite(response)][0]}{where}")
+    return response.astype(float)
+
+
+def check_callable(low_fidelity: Any) -> None:
     if not callable(low_fidelity):
         raise TypeError(f"low_fidelity must be a callable of X (n, k) that returns (n,), got {low_fidelity!r}")
-    n = len(arguments[0])
-    response = np.asarray(low_fidelity(*arguments), dtype=float)
-    if response.shape != (n,):
-        raise ValueError(f"low_fidelity must return one number for each design, shape {(n,)}, got {response.shape}")
-    if not np.isfinite(response).all():
-        raise ValueError(f"low_fidelity must return finite numbers, got {response[~np.isfinite(response)][0]}")
-    return response

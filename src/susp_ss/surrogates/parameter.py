@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,7 @@ from scipy.optimize import minimize_scalar
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from .low_fidelity import evaluated
+from .low_fidelity import check_callable, evaluated
 
 # The sum of squares is scanned at this many values; a valley between two neighbours could hide from it.
 SCAN = 65
@@ -23,30 +25,31 @@ class ParameterBased(RegressorMixin, BaseEstimator):
 
     ``S(x) = f(x; a)`` with a by ``min sum (S - F)^2`` (*Feasibility study of surrogate model for the application of
     vehicle suspension system*, 2021, Eqs 45 and 46; its parameter is the sprung mass). The sum of squares may have
-    several minima: it is scanned over the bounds on 65 values in geometric steps, every valley of the scan is refined
-    by Brent's method, and the lowest is taken. That is the global minimum unless a valley is narrower than the scan's
-    steps.
+    several minima: it is scanned over the bounds on 65 values, every valley of the scan is refined by Brent's method,
+    and the lowest is taken. That is the global minimum unless it hides in a valley narrower than two of the scan's
+    steps, which are geometric for a positive range (4.8 % for the default bounds) and equal otherwise.
 
     Parameters
     ----------
     low_fidelity : callable
-        ``f(X, value)``, designs (n, k) and one parameter value to responses (n,), such as
+        ``f(X, value)``, designs (n, k) as an array of floats and one parameter value to responses (n,), such as
         ``susp_ss.Response(..., parameter="ms")``.
     bounds : (float, float), optional
-        Lowest and highest value, > 0, in the parameter's unit; by default 0.2 and 4 times
+        Lowest and highest value, in the parameter's unit; by default 0.2 and 4 times
         ``low_fidelity.parameter_value``, the model's own.
 
     Attributes
     ----------
     parameter_ : float
-        The tuned value.
+        The tuned value, in its own unit.
     at_bound_ : {None, "lower", "upper"}
         Whether it sits on a bound, which is also warned of: the minimum may lie beyond.
 
     Raises
     ------
     TypeError, ValueError
-        A low-fidelity model that is not callable or returns no finite (n,), or bounds that are missing or bad.
+        From `fit`: a low-fidelity model that is not callable, returns no finite (n,) or does not depend on its
+        parameter, or bounds that are missing or bad.
 
     Examples
     --------
@@ -65,28 +68,38 @@ class ParameterBased(RegressorMixin, BaseEstimator):
     def fit(self, X: ArrayLike, y: ArrayLike) -> ParameterBased:
         """Tune the parameter to the expensive responses y (n,) at the designs X (n, k)."""
         designs, responses = validate_data(self, X, y, y_numeric=True, dtype=float, ensure_min_samples=2)
+        check_callable(self.low_fidelity)
         low, high = self._bounds()
         unit = np.abs(responses).max() or 1.0
 
-        def squares(log_value: float) -> float:
-            deviation = (evaluated(self.low_fidelity, designs, float(np.exp(log_value))) - responses) / unit
-            return float(deviation @ deviation)
+        def value(u: float) -> float:
+            """The parameter at the fraction u of its range."""
+            return min(low * (high / low) ** u if low > 0.0 else low + u * (high - low), high)
 
-        grid = np.linspace(np.log(low), np.log(high), SCAN)
+        def deviation(u: float) -> NDArray[np.float64]:
+            return (evaluated(self.low_fidelity, designs, value(u)) - responses) / unit
+
+        def squares(u: float) -> float:
+            away = deviation(u)
+            return float(away @ away)
+
+        grid = np.linspace(0.0, 1.0, SCAN)
         scanned = np.array([squares(u) for u in grid])
-        best, least = grid[np.argmin(scanned)], scanned.min()
+        if (scanned == scanned[0]).all():
+            raise ValueError(
+                f"low_fidelity must depend on its second argument, got one sum of squares for all values from {low:g} "
+                f"to {high:g}"
+            )
+        best, least = float(grid[np.argmin(scanned)]), scanned.min()
         for i in _valleys(scanned):
             bracket = (grid[max(i - 1, 0)], grid[min(i + 1, SCAN - 1)])
-            found = minimize_scalar(squares, bounds=bracket, method="bounded", options={"xatol": 1e-12})
+            found = minimize_scalar(squares, bounds=bracket, method="bounded", options={"xatol": 1e-9})
             if found.fun < least:
-                best, least = found.x, found.fun
-        self.parameter_ = float(np.exp(self._polished(best, designs, responses, low, high)))
-        # A bounded search never lands on its bound exactly.
-        reach = 1e-6 * np.log(high / low)
-        at_low, at_high = np.log(self.parameter_ / low) < reach, np.log(high / self.parameter_) < reach
-        self.at_bound_ = "lower" if at_low else "upper" if at_high else None
+                best, least = float(found.x), found.fun
+        best = _polished(deviation, best)
+        self.at_bound_ = {0.0: "lower", 1.0: "upper"}.get(best)
+        self.parameter_ = {"lower": low, "upper": high, None: value(best)}[self.at_bound_]
         if self.at_bound_ is not None:
-            self.parameter_ = low if at_low else high
             warnings.warn(
                 f"the tuned parameter {self.parameter_:g} sits on its {self.at_bound_} bound of [{low:g}, {high:g}]: "
                 "the minimum may lie beyond; pass wider bounds",
@@ -94,23 +107,6 @@ class ParameterBased(RegressorMixin, BaseEstimator):
                 stacklevel=2,
             )
         return self
-
-    def _polished(self, u: float, X: NDArray[np.float64], y: NDArray[np.float64], low: float, high: float) -> float:
-        """Gauss-Newton from a minimum of squares, whose flat bottom hides half the digits, while it improves."""
-        h = 1e-4
-        for _ in range(8):
-            if not np.log(low) < u - h < u + h < np.log(high):
-                return u
-            minus, here, plus = (evaluated(self.low_fidelity, X, float(np.exp(v))) for v in (u - h, u, u + h))
-            slope, bend = (plus - minus) / (2 * h), (plus - 2 * here + minus) / h**2
-            gradient = slope @ (here - y)
-            curvature = slope @ slope + bend @ (here - y)
-            if curvature <= 0.0 or abs(gradient / curvature) > 1e-3:
-                return u
-            u = float(u - gradient / curvature)
-            if abs(gradient / curvature) < 1e-13:
-                break
-        return u
 
     def predict(self, X: ArrayLike) -> NDArray[np.float64]:
         """Return the cheap response (n,) at the designs X (n, k) with the tuned parameter."""
@@ -125,13 +121,18 @@ class ParameterBased(RegressorMixin, BaseEstimator):
                 raise ValueError(
                     "bounds are needed for a low_fidelity without a parameter_value of its own; pass bounds=(low, high)"
                 )
-            return 0.2 * own, 4.0 * own
-        values = np.asarray(self.bounds)
-        if values.dtype.kind not in "iuf" or values.shape != (2,) or not np.isfinite(values).all():
+            if not _is_number(own) or own <= 0.0:
+                raise ValueError(
+                    "bounds are needed for a low_fidelity whose parameter_value is not a number > 0, got "
+                    f"{own!r}; pass bounds=(low, high)"
+                )
+            return 0.2 * float(own), 4.0 * float(own)
+        values = np.asarray(self.bounds, dtype=object)
+        if values.shape != (2,) or not all(_is_number(value) for value in values):
             raise ValueError(f"bounds must be two finite numbers (low, high), got {self.bounds!r}")
         low, high = map(float, values)
-        if not 0.0 < low < high:
-            raise ValueError(f"bounds must rise from above 0, got {self.bounds!r}")
+        if not low < high:
+            raise ValueError(f"bounds must rise from low to high, got {self.bounds!r}")
         return low, high
 
     def __sklearn_tags__(self) -> Any:
@@ -141,8 +142,33 @@ class ParameterBased(RegressorMixin, BaseEstimator):
         return tags
 
 
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+
+
 def _valleys(values: NDArray[np.float64]) -> NDArray[np.int_]:
-    """Indices no higher than their neighbours, ends included."""
+    """Indices no higher than their neighbours, ends included; of a level stretch, the last."""
     left = np.concatenate([[np.inf], values[:-1]])
     right = np.concatenate([values[1:], [np.inf]])
-    return np.flatnonzero((values <= left) & (values <= right))
+    return np.flatnonzero((values <= left) & (values < right))
+
+
+def _polished(deviation: Callable[[float], NDArray[np.float64]], u: float) -> float:
+    """Newton's steps inside (0, 1) from a minimum of the squares, whose flat bottom hides half the digits of u."""
+    for _ in range(4):
+        h = min(3e-4, u / 2, (1.0 - u) / 2)
+        if h <= 0.0:
+            break
+        left2, left, here, right, right2 = (deviation(u + k * h) for k in (-2, -1, 0, 1, 2))
+        slope = (left2 - 8 * left + 8 * right - right2) / (12 * h)
+        bend = (left - 2 * here + right) / h**2
+        gradient, curvature = float(slope @ here), float(slope @ slope + bend @ here)
+        if abs(gradient) >= h * curvature:
+            break
+        reached = deviation(u - gradient / curvature)
+        if reached @ reached > (1 + 1e-9) * (here @ here):
+            break
+        u -= gradient / curvature
+        if abs(gradient) < 1e-8 * curvature:
+            break
+    return u
