@@ -135,6 +135,8 @@ def test_bad_response_calls():
         response([[18e3, 1500.0]], 300.0)
     with pytest.raises(ValueError, match="must be > 0 N/m"):
         response([[-1.0, 1500.0]])
+    with pytest.raises(TypeError, match="X must be numbers"):
+        response([["soft", "light"]])
     with pytest.raises(TypeError, match="sequence of field names"):
         ss.Response(ss.QuarterCar(), ROAD, inputs="ks")
     with pytest.raises(ValueError, match="one number for every parameter"):

@@ -176,7 +176,9 @@ class Response:
 
     def __call__(self, X: ArrayLike, value: ArrayLike | None = None) -> NDArray[np.float64]:
         """Evaluate the metric at designs X (n, inputs), with ``value`` for the parameter if one is named."""
-        columns = np.asarray(X, dtype=float)
+        columns = np.asarray(X)
+        if columns.dtype.kind not in "iuf":
+            raise TypeError(f"X must be numbers, one row a design and a column for {', '.join(self.inputs)}, got {X!r}")
         if columns.ndim != 2 or columns.shape[1] != len(self.inputs):
             raise ValueError(
                 f"X must have shape (n, {len(self.inputs)}) with columns {', '.join(self.inputs)}, got {columns.shape}"

@@ -68,6 +68,29 @@ def test_shapes_that_do_not_broadcast():
         )
 
 
+@pytest.mark.parametrize("dim", ["point", "corner", "state", "output", "input", "frequency", "time"])
+def test_dims_of_results_are_taken(dim):
+    with pytest.raises(ValueError, match=f"a dim named '{dim}', which results use themselves"):
+        ss.FullCar(ks=xr.DataArray([1e4, 2e4], dims=dim))
+
+
+def test_labelled_and_plain_arrays_share_the_design_dim():
+    labelled = xr.DataArray([1e3, 2e3], dims="design")
+    assert ss.ride_metrics(ss.QuarterCar(ks=np.array([1e4, 2e4]), cs=labelled), ss.Road()).sws.shape == (2,)
+    named = xr.DataArray([1e3, 2e3], dims="designer")
+    both = ss.ride_metrics(ss.QuarterCar(ks=np.ones((3, 2)) * 1e4, cs=named), ss.Road())
+    assert both.sws.sizes == {"designer": 2, "design_0": 3, "design_1": 2}
+
+
+def test_a_dataarray_of_no_dims_is_a_number():
+    assert ss.QuarterCar(ks=xr.DataArray(2e4)).state_space().nstates == 4
+
+
+def test_rows_of_different_lengths():
+    with pytest.raises(TypeError, match="got rows of different lengths"):
+        ss.QuarterCar(ks=[[1e4, 2e4], [1e4]])
+
+
 def test_vehicles_are_frozen_and_keep_their_defaults():
     car = ss.FullCar()
     with pytest.raises(dataclasses.FrozenInstanceError):

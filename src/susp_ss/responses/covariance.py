@@ -35,8 +35,9 @@ COHERENCE_RATES = np.array([0.17846, 0.74178, 1.96519, 5.04089, 7.56134])
 COHERENCE_WEIGHTS = np.array([0.029123, 0.294623, 0.931565, -0.350543, 0.095232])
 COHERENCE_WEIGHTS = COHERENCE_WEIGHTS / COHERENCE_WEIGHTS.sum()
 
-# Of a mean square, relative to the squared sum of its terms' sizes.
-ROUNDING = 1e-14
+# Relative error of a variance beyond which it is refused, and the error of a sound solution: a variance no larger than
+# that, relative to its terms, is zero by symmetry.
+LOST, SOUND = 1e-6, 1e-12
 
 # Designs solved together: their 49 x 49 systems then stay near the processor.
 BATCH = 256
@@ -51,10 +52,11 @@ class Spectrum(NamedTuple):
 
 
 class Moments(NamedTuple):
-    """Second-order matrices of a batch of designs and the covariance (N, 2n [+ 1], 2n [+ 1]) of (p, v [, warp])."""
+    """Matrices of a batch of designs, covariance (N, 2n [+ 1], 2n [+ 1]) of (p, v [, warp]), its error (N,)."""
 
     model: SecondOrder
     X: Array
+    error: Array
     infinite: NDArray[np.bool_]
 
 
@@ -112,7 +114,21 @@ def covariance_batches(vehicle: Vehicle, road: Road) -> Iterator[Moments]:
     flat = vehicle.flattened(sweep)
     for start in range(0, sweep.size, BATCH):
         stop = min(start + BATCH, sweep.size)
-        yield _moments(flat.designs(slice(start, stop)), road, stop - start)
+        try:
+            with np.errstate(all="ignore"):
+                moments = _moments(flat.designs(slice(start, stop)), road, stop - start)
+        except np.linalg.LinAlgError:
+            raise _lost(vehicle) from None
+        if not (moments.error < LOST).all():
+            raise _lost(vehicle)
+        yield moments
+
+
+def _lost(vehicle: Vehicle) -> ValueError:
+    return ValueError(
+        f"{type(vehicle).__name__} has parameters so far apart (stiffness, damping, masses) that a variance keeps "
+        'fewer than six digits; pass less extreme ones, or method="spectral"'
+    )
 
 
 def spectrum(road: Road, process: Process, track_width: Array) -> Spectrum:
@@ -160,14 +176,14 @@ def _moments(vehicle: Vehicle, road: Road, N: int) -> Moments:
             with_warp += cross
             warp_variance += own
 
-    X = dynamics.lyapunov(Q)
+    X, error = dynamics.lyapunov(Q)
     stretch = np.concatenate([1.0 / root, 1.0 / root], axis=-1)
     X = X * (stretch[..., :, None] * stretch[..., None, :])
     if model.warp is not None:
         X = np.pad(X, [(0, 0), (0, 1), (0, 1)])
         X[:, :-1, -1] = X[:, -1, :-1] = stretch * with_warp
         X[:, -1, -1] = warp_variance
-    return Moments(model, X, infinite_outputs(model, excited, road))
+    return Moments(model, X, error, infinite_outputs(model, excited, road))
 
 
 class _Response:
@@ -235,11 +251,13 @@ def _outer(x: Array, y: Array) -> Array:
 def covariance_variances(vehicle: Vehicle, road: Road) -> Array:
     """Variances (designs, outputs) of all outputs of all designs; `inf` where the road's white velocity reaches one."""
     variances = []
-    for model, X, infinite in covariance_batches(vehicle, road):
+    for model, X, error, infinite in covariance_batches(vehicle, road):
         Y = model.velocity_form()[2]
         variance = np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
-        # What symmetry cancels is zero, not the rounding of the terms that cancel.
-        size = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0)))
-        variance = np.where(variance > ROUNDING * size**2, variance, 0.0)
-        variances.append(np.where(infinite, np.inf, variance))
+        terms = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0))) ** 2
+        noise = error[:, None] * terms
+        zero = (variance <= 10.0 * np.maximum(noise, np.finfo(float).eps * terms)) & (error < SOUND)[:, None]
+        if np.any(~zero & ~infinite & (noise > LOST * variance)):
+            raise _lost(vehicle)
+        variances.append(np.where(infinite, np.inf, np.where(zero, 0.0, variance)))
     return np.concatenate(variances)

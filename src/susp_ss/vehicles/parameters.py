@@ -11,6 +11,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+# Dims of results; a sweep's own would collide with them.
+RESERVED = {"point", "corner", "state", "state_", "output", "input", "frequency", "time"}
+
 
 def parameter(default: Any, unit: str, meaning: str, zero: bool = False) -> Any:
     """Declare a dataclass field with its unit and bound; ``zero=True`` admits zero."""
@@ -59,7 +62,10 @@ def checked(value: Any, where: str, unit: str, zero: bool) -> Any:
         Empty, not finite, or below the bound.
     """
     need = f"must be {'>=' if zero else '>'} 0{f' {unit}' if unit else ''}"
-    values = value.values if isinstance(value, xr.DataArray) else np.asarray(value)
+    try:
+        values = value.values if isinstance(value, xr.DataArray) else np.asarray(value)
+    except ValueError:
+        raise TypeError(f"{where} {need}, got rows of different lengths") from None
     if values.dtype.kind not in "iuf":
         raise TypeError(f"{where} {need}, got {value!r}; pass a number, an array or an xarray.DataArray")
     if values.size == 0:
@@ -71,9 +77,14 @@ def checked(value: Any, where: str, unit: str, zero: bool) -> Any:
         dims = value.dims if isinstance(value, xr.DataArray) else design_dims(values.ndim)
         place = ", ".join(f"{dim}={i}" for dim, i in zip(dims, index, strict=True))
         raise ValueError(f"{where} {need}, got {values[index]}" + (f" at ({place})" if place else ""))
-    if isinstance(value, xr.DataArray):
-        return value.astype(float)
-    return values if values.ndim else float(values)
+    if values.ndim == 0:
+        return float(values)
+    if not isinstance(value, xr.DataArray):
+        return values
+    taken = RESERVED.intersection(value.dims)
+    if taken:
+        raise ValueError(f"{where} has a dim named {min(taken)!r}, which results use themselves; rename it")
+    return value.astype(float)
 
 
 def design_dims(ndim: int) -> tuple[str, ...]:
@@ -88,6 +99,7 @@ class Sweep:
     dims: tuple[str, ...]
     shape: tuple[int, ...]
     coords: dict[str, Any]
+    _plain: tuple[int, ...]
     _template: xr.DataArray | None
 
     @classmethod
@@ -99,7 +111,7 @@ class Sweep:
         try:
             shape = np.broadcast_shapes(*(x.shape for x in plain))
             if not labelled:
-                return cls(design_dims(len(shape)) if shape else (), shape, {}, None)
+                return cls(design_dims(len(shape)) if shape else (), shape, {}, shape, None)
             if shape:
                 labelled.append(xr.DataArray(np.empty(shape), dims=design_dims(len(shape))))
             aligned = xr.broadcast(*xr.align(*labelled, join="exact", copy=False))
@@ -108,7 +120,7 @@ class Sweep:
             raise ValueError(f"{where} has parameters that do not broadcast: sizes {sizes}; {error}") from None
         template = aligned[0]
         coords = {str(name): coord for name, coord in template.coords.items() if name in template.dims}
-        return cls(tuple(map(str, template.dims)), template.shape, coords, template)
+        return cls(tuple(map(str, template.dims)), template.shape, coords, shape, template)
 
     @property
     def size(self) -> int:
@@ -121,8 +133,7 @@ class Sweep:
         if self._template is None:
             return np.broadcast_to(value, self.shape).reshape(-1)
         if isinstance(value, np.ndarray):
-            shape = tuple(self._template.sizes[dim] for dim in self.dims if dim.startswith("design"))
-            value = xr.DataArray(np.broadcast_to(value, shape), dims=design_dims(len(shape)))
+            value = xr.DataArray(np.broadcast_to(value, self._plain), dims=design_dims(len(self._plain)))
         values = value.broadcast_like(self._template).transpose(*self.dims).values
         return values.reshape(-1)
 
