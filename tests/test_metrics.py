@@ -127,7 +127,23 @@ def test_bad_responses(arguments, words):
         ss.Response(ss.FullCar(), ROAD, **arguments)
 
 
+def test_response_honours_column_names():
+    import pandas as pd
+
+    response = ss.Response(ss.QuarterCar(), ROAD, "dtl")
+    X = pd.DataFrame({"cs": [1200.0, 1500.0], "ks": [15e3, 20e3]})
+    np.testing.assert_array_equal(response(X), response(X[["ks", "cs"]].to_numpy()))
+    with pytest.raises(ValueError, match="X must have the columns ks, cs, got a, b"):
+        response(X.set_axis(["a", "b"], axis=1))
+
+
 def test_bad_response_calls():
+    tuned = ss.Response(ss.QuarterCar(), ROAD, parameter="ms")
+    with pytest.raises(ValueError, match="one number or one a design"):
+        tuned([[18e3, 1500.0]], [300.0, 310.0])
+    for arguments in ({"criterion": ["bacc"]}, {"inputs": None}):
+        with pytest.raises(TypeError, match=r"criterion must be|sequence of field names"):
+            ss.Response(ss.QuarterCar(), ROAD, **arguments)
     response = ss.Response(ss.QuarterCar(), ROAD)
     with pytest.raises(ValueError, match="columns ks, cs"):
         response([[1.0, 2.0, 3.0]])

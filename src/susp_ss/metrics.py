@@ -40,11 +40,12 @@ def ride_metrics(
         What the wheels run over.
     method : {"covariance", "spectral", "time"}
         ``"covariance"``: a Lyapunov equation with the exact wheelbase delay, for waviness 2; the coherence of
-        isotropic tracks is a rational fit, good to 1e-3. ``"spectral"``: ``int |H|^2 G df``, any waviness and the
-        exact coherence.
+        isotropic tracks is a rational fit, good to 1e-3 for track widths from 0.6 m. ``"spectral"``:
+        ``int |H|^2 G df``, any waviness and the exact coherence.
         ``"time"``: mean squares over a synthesised record, with a standard error beside each.
     duration, step : float
-        Of the record in s, for ``"time"``; the step is shortened to divide the delay of the rear wheels.
+        Of the record in s, for ``"time"``; the step is shortened to resolve the fastest mode and to divide the delay
+        of the rear wheels.
     seed : int
         Of the record, for ``"time"``.
 
@@ -143,7 +144,9 @@ class Response:
         check_kinds(vehicle, road)
         if vehicle.sweep().size != 1 or vehicle.sweep().dims:
             raise ValueError("Response needs a vehicle with one number for every parameter, got arrays")
-        if isinstance(inputs, str):
+        if not isinstance(criterion, str):
+            raise TypeError(f"criterion must be the name of a metric, such as 'bacc', got {criterion!r}")
+        if isinstance(inputs, str) or not isinstance(inputs, Sequence):
             raise TypeError(f'inputs must be a sequence of field names such as ("ks", "cs"), got {inputs!r}')
         fields = [field.name for field in dataclasses.fields(vehicle)]
         for name in (*inputs, *(() if parameter is None else (parameter,))):
@@ -176,7 +179,10 @@ class Response:
 
     def __call__(self, X: ArrayLike, value: ArrayLike | None = None) -> NDArray[np.float64]:
         """Evaluate the metric at designs X (n, inputs), with ``value`` for the parameter if one is named."""
-        columns = np.asarray(X)
+        names = getattr(X, "columns", self.inputs)
+        if set(names) != set(self.inputs):
+            raise ValueError(f"X must have the columns {', '.join(self.inputs)}, got {', '.join(map(str, names))}")
+        columns = np.asarray(X if names is self.inputs else X[list(self.inputs)])  # type: ignore[index, call-overload]
         if columns.dtype.kind not in "iuf":
             raise TypeError(f"X must be numbers, one row a design and a column for {', '.join(self.inputs)}, got {X!r}")
         if columns.ndim != 2 or columns.shape[1] != len(self.inputs):
@@ -187,6 +193,8 @@ class Response:
         if value is not None:
             if self.parameter is None:
                 raise ValueError("a value was given, but Response(parameter=...) names no parameter to set")
-            settings[self.parameter] = value
+            if np.ndim(value) and np.shape(value) != (len(columns),):
+                raise ValueError(f"value must be one number or one a design, {(len(columns),)}, got {np.shape(value)}")
+            settings[self.parameter] = np.asarray(value) if np.ndim(value) else value
         metric = ride_metrics(dataclasses.replace(self.vehicle, **settings), self.road)[self.criterion]
         return (metric if self.at is None else metric.sel({metric.dims[-1]: self.at})).to_numpy()

@@ -78,3 +78,11 @@ def test_a_crawling_car_sees_two_independent_axles():
     crawl = ss.ride_metrics(ss.PitchHalfCar(), ss.Road(speed=1e-6))
     each = [ss.ride_metrics(ss.PitchHalfCar(), ss.Road(speed=1e-6, wheels=(wheel,))) for wheel in "fr"]
     np.testing.assert_allclose(crawl.sws, np.hypot(each[0].sws, each[1].sws), rtol=1e-9)
+
+
+def test_lost_digits_are_refused_by_design():
+    with pytest.raises(ValueError, match="fewer than six digits"):
+        ss.covariance(ss.QuarterCar(cs=1e9), ss.Road())
+    cars = ss.QuarterCar(cs=np.r_[np.full(300, 1500.0), 1e9])
+    with pytest.raises(ValueError, match=r"QuarterCar at \(design=300\)"):
+        ss.ride_metrics(cars, ss.Road())

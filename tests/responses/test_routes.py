@@ -144,3 +144,11 @@ def test_coincident_rates_of_cutoff_and_coherence():
         at, near = (ss.ride_metrics(car, ss.Road(tracks="isotropic", cutoff=c)) for c in (cutoff, cutoff * (1 + 1e-4)))
         for name in at:
             np.testing.assert_allclose(at[name], near[name], rtol=1e-4)
+
+
+@pytest.mark.parametrize("ct", [300.0, 5000.0])
+@pytest.mark.parametrize("speed", [2.0, 20.0, 200.0])
+def test_interference_of_delayed_wheels_fades_within_the_tolerance(ct, speed):
+    # With tyre damping accelerations fall off so slowly that the delay's oscillation reaches far up the spectrum.
+    car, road = ss.FullCar(ct=ct), ss.Road(speed=speed)
+    assert_agree(ss.ride_metrics(car, road), ss.ride_metrics(car, road, method="spectral"), 1e-6, car)

@@ -107,7 +107,19 @@ def test_bad_roads(settings, error, words):
         ss.Road(**settings)
 
 
+@pytest.mark.parametrize("n", [0.0, -1.0, np.nan, [0.1, np.inf]])
+def test_bad_wavenumbers(n):
+    road = ss.Road(tracks="isotropic")
+    for spectrum in (road.psd, lambda n: road.coherence(n, 1.4), lambda n: road.cross_psd(n, 1.4)):
+        with pytest.raises(ValueError, match="finite and > 0 cycle/m"):
+            spectrum(n)
+        with pytest.raises(TypeError, match="must be wavenumbers"):
+            spectrum(None)
+
+
 def test_bad_classes_and_wheels():
+    with pytest.raises(ValueError, match="one of A, B"):
+        ss.Road.iso8608(["B"])
     with pytest.raises(ValueError, match="one of A, B, C, D, E, F, G, H, got 'Z'"):
         ss.Road.iso8608("Z")
     with pytest.raises(ValueError, match="takes its roughness from the class"):

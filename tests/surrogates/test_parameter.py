@@ -161,3 +161,10 @@ def test_bad_low_fidelity():
         ss.ParameterBased(lambda X, m: m, bounds=(1.0, 2.0)).fit(X, X[:, 0])
     with pytest.raises(ValueError, match="finite numbers"):
         ss.ParameterBased(lambda X, m: X[:, 0] * np.inf, bounds=(1.0, 2.0)).fit(X, X[:, 0])
+
+
+def test_a_parameter_that_acts_by_rounding_alone_is_refused():
+    # The quarter car's working space is the square root of q M / 2 c, whatever the tyre.
+    response = ss.Response(ss.QuarterCar(), ss.Road(), "sws", parameter="kt")
+    with pytest.raises(ValueError, match="must depend on its second argument"):
+        ss.ParameterBased(response).fit(X, 1.1 * response(X))

@@ -86,6 +86,26 @@ def test_a_dataarray_of_no_dims_is_a_number():
     assert ss.QuarterCar(ks=xr.DataArray(2e4)).state_space().nstates == 4
 
 
+def test_stored_arrays_cannot_be_changed_and_the_users_can():
+    ks = np.array([1e4, 2e4])
+    car, labelled = ss.QuarterCar(ks=ks), ss.QuarterCar(ks=xr.DataArray(ks, dims="x"))
+    ks[0] = -1.0
+    assert car.ks[0] == float(labelled.ks[0]) == 1e4
+    for values in (car.ks, labelled.ks.values):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = -1.0
+
+
+def test_masked_values_are_refused():
+    with pytest.raises(TypeError, match="ks"):
+        ss.QuarterCar(ks=np.ma.array([1e4, 2e4], mask=[False, True]))
+
+
+def test_coordinates_that_are_no_dims_survive():
+    ks = xr.DataArray([1e4, 2e4], dims="x", coords={"x": [0, 1], "name": ("x", ["soft", "hard"])})
+    assert list(ss.ride_metrics(ss.FullCar(ks=ks), ss.Road()).sws.coords["name"].values) == ["soft", "hard"]
+
+
 def test_rows_of_different_lengths():
     with pytest.raises(TypeError, match="got rows of different lengths"):
         ss.QuarterCar(ks=[[1e4, 2e4], [1e4]])

@@ -48,6 +48,36 @@ def test_poles(vehicle):
     )
 
 
+@pytest.mark.parametrize("vehicle", VEHICLES.values(), ids=VEHICLES.keys())
+def test_an_actuator_that_acts_as_a_damper_is_one(vehicle):
+    # Closing u = g dsws adds g to every damping rate, whatever the output.
+    import dataclasses
+
+    gain = 250.0
+    system = vehicle.state_space(input="velocity", actuators=True)
+    corners = len(vehicle.wheels)
+    roads = system.ninputs - corners
+    A, B, C, D = system.A, system.B, system.C, system.D
+    rate, push = slice(system.noutputs - corners, None), slice(roads, None)
+    closed = np.linalg.inv(np.eye(corners) - gain * D[rate, push]) * gain
+    A = A + B[:, push] @ closed @ C[rate]
+    C_all, D_all = C + D[:, push] @ closed @ C[rate], D[:, :roads] + D[:, push] @ closed @ D[rate, :roads]
+    B_all = B[:, :roads] + B[:, push] @ closed @ D[rate, :roads]
+
+    def stiffer(cs):
+        if isinstance(cs, ss.Corners):
+            return ss.Corners(**{name: getattr(cs, name) + gain for name in ("fr", "fl", "rr", "rl")})
+        return tuple(c + gain for c in cs) if isinstance(cs, tuple) else cs + gain
+
+    damped = dataclasses.replace(vehicle, cs=stiffer(vehicle.cs)).state_space(input="velocity")
+    count = damped.noutputs
+    for f in (0.5, 3.0, 15.0):
+        s = 2j * np.pi * f
+        ours = C_all[:count] @ np.linalg.solve(s * np.eye(len(A)) - A, B_all) + D_all[:count]
+        theirs = np.atleast_2d(damped(s))
+        np.testing.assert_allclose(ours, theirs, rtol=1e-7, atol=1e-9 * np.abs(theirs).max())
+
+
 def test_names_and_selection():
     system = ss.FullCar().state_space()
     assert system.input_labels == ["z_r_fr", "z_r_fl", "z_r_rr", "z_r_rl"]
@@ -82,7 +112,7 @@ def test_forced_response_of_a_quarter_car_agrees_with_scipy():
 def test_improper_displacement_forms_are_refused_by_name(vehicle, named):
     with pytest.raises(ValueError, match='input="velocity"') as refusal:
         vehicle.state_space()
-    assert str(refusal.value).startswith(", ".join(named) + " need")
+    assert str(refusal.value).startswith(", ".join(named) + ": no state space")
     assert vehicle.state_space(input="velocity").ninputs >= 1
 
 

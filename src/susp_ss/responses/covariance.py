@@ -39,6 +39,9 @@ COHERENCE_WEIGHTS = COHERENCE_WEIGHTS / COHERENCE_WEIGHTS.sum()
 # that, relative to its terms, is zero by symmetry.
 LOST, SOUND = 1e-6, 1e-12
 
+# The same of the largest entries of a covariance matrix, among which smaller ones must keep their digits too.
+LOST_MATRIX = 1e-9
+
 # Designs solved together: their 49 x 49 systems then stay near the processor.
 BATCH = 256
 
@@ -96,15 +99,15 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     True
     """
     check_kinds(vehicle, road)
-    batches = list(covariance_batches(vehicle, road))
+    batches = list(covariance_batches(vehicle, road, LOST_MATRIX))
     states = list(batches[0].model.relative_states)
     X = np.concatenate([moments.X for moments in batches])
     labels = {"state": states, "state_": states}
     return vehicle.sweep().unflatten(X, ("state", "state_"), labels).rename("covariance")
 
 
-def covariance_batches(vehicle: Vehicle, road: Road) -> Iterator[Moments]:
-    """Yield the covariance of all designs, a batch at a time."""
+def covariance_batches(vehicle: Vehicle, road: Road, lost: float = LOST) -> Iterator[Moments]:
+    """Yield the covariance of all designs, a batch at a time, each with an error below ``lost``."""
     if road.waviness != 2.0:
         raise ValueError(
             f"the covariance route needs waviness 2, got {road.waviness:g}: no finite state-space model of such a "
@@ -118,16 +121,19 @@ def covariance_batches(vehicle: Vehicle, road: Road) -> Iterator[Moments]:
             with np.errstate(all="ignore"):
                 moments = _moments(flat.designs(slice(start, stop)), road, stop - start)
         except np.linalg.LinAlgError:
-            raise _lost(vehicle) from None
-        if not (moments.error < LOST).all():
-            raise _lost(vehicle)
+            raise _lost(vehicle, start) from None
+        beyond = ~(moments.error < lost)
+        if beyond.any():
+            raise _lost(vehicle, start + int(np.argmax(beyond)))
         yield moments
 
 
-def _lost(vehicle: Vehicle) -> ValueError:
+def _lost(vehicle: Vehicle, design: int) -> ValueError:
+    place = dict(zip(vehicle.sweep().dims, np.unravel_index(design, vehicle.sweep().shape), strict=True))
+    where = f" at ({', '.join(f'{dim}={i}' for dim, i in place.items())})" if place else ""
     return ValueError(
-        f"{type(vehicle).__name__} has parameters so far apart (stiffness, damping, masses) that a variance keeps "
-        'fewer than six digits; pass less extreme ones, or method="spectral"'
+        f"{type(vehicle).__name__}{where} is damped so lightly or so heavily, or has masses and stiffnesses so far "
+        'apart, that a variance keeps fewer than six digits; pass less extreme parameters, or method="spectral"'
     )
 
 
@@ -250,14 +256,15 @@ def _outer(x: Array, y: Array) -> Array:
 
 def covariance_variances(vehicle: Vehicle, road: Road) -> Array:
     """Variances (designs, outputs) of all outputs of all designs; `inf` where the road's white velocity reaches one."""
-    variances = []
+    variances: list[Array] = []
     for model, X, error, infinite in covariance_batches(vehicle, road):
         Y = model.velocity_form()[2]
         variance = np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
         terms = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0))) ** 2
         noise = error[:, None] * terms
         zero = (variance <= 10.0 * np.maximum(noise, np.finfo(float).eps * terms)) & (error < SOUND)[:, None]
-        if np.any(~zero & ~infinite & (noise > LOST * variance)):
-            raise _lost(vehicle)
+        lost = np.any(~zero & ~infinite & (noise > LOST * variance), axis=-1)
+        if lost.any():
+            raise _lost(vehicle, len(variances) * BATCH + int(np.argmax(lost)))
         variances.append(np.where(infinite, np.inf, np.where(zero, 0.0, variance)))
     return np.concatenate(variances)

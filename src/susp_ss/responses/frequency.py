@@ -109,8 +109,13 @@ def psd(vehicle: Vehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     return result
 
 
-def output_density(vehicle: Vehicle, model: SecondOrder, road: Road, f: NDArray) -> NDArray:
-    """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs)."""
+def output_density(
+    vehicle: Vehicle, model: SecondOrder, road: Road, f: NDArray, interference: ArrayLike = 1.0
+) -> NDArray:
+    """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs).
+
+    ``interference`` (F,) weighs the cross term of front and rear wheels, which turns with the delay.
+    """
     omega = 2.0 * np.pi * f
     H = model.transfer(omega)
     lag = np.exp(-1j * omega * np.asarray(delay(vehicle, road))[..., None])
@@ -122,8 +127,9 @@ def output_density(vehicle: Vehicle, model: SecondOrder, road: Road, f: NDArray)
         if process.sign:
             apart = road.incoherence(f / road.speed, width)
             share = 0.5 * (apart if process.sign < 0 else 2.0 - apart)
-        y = H @ process.now + lag[..., None] * (H @ process.later)
-        total += np.abs(y) ** 2 * (share * velocity)[..., None]
+        now, later = H @ process.now, lag[..., None] * (H @ process.later)
+        cross = 2.0 * np.asarray(interference)[..., None] * (now * later.conj()).real
+        total += (np.abs(now) ** 2 + np.abs(later) ** 2 + cross) * (share * velocity)[..., None]
     return total
 
 

@@ -19,6 +19,11 @@ from .labels import labelled_outputs
 
 Array = NDArray[np.float64]
 
+# Steps times the fastest swing: heights taken as linear over a step weaken that swing by its square over 12.
+RESOLVED = 0.15
+
+MOST_STEPS = 1e7
+
 
 def simulate(vehicle: Vehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
     """Drive a vehicle over given road heights.
@@ -112,8 +117,17 @@ def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, se
     refuse_unbounded(vehicle, road, model.warp)
     excited = processes(vehicle, road)
     tau = float(delay(vehicle, road)) if any(process.later.any() for process in excited) else 0.0
+    eigenvalues = np.linalg.eigvals(model.A)
+    swinging = np.abs(eigenvalues[eigenvalues.imag != 0.0])
+    step = min(step, RESOLVED / swinging.max(initial=RESOLVED / step))
     if tau:
         step = tau / np.ceil(tau / step)
+    forget = 8.0 / np.abs(eigenvalues.real).min()
+    if (duration + forget) / step > MOST_STEPS:
+        raise ValueError(
+            f"{type(vehicle).__name__} needs {(duration + forget) / step:.2g} time steps, {forget:.3g} s of them to "
+            f"forget its start; the most is {MOST_STEPS:.0e}: pass a shorter duration, more damping or another method"
+        )
     z = synthesise(
         road,
         duration,
@@ -125,7 +139,6 @@ def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, se
     )
     z *= np.any([process.now + process.later != 0.0 for process in excited], axis=0)[:, None]
     period = z.shape[1]
-    forget = 8.0 / np.abs(np.linalg.eigvals(model.A).real).min()
     lead = int(np.ceil(forget / step))
     z = np.take(z, np.arange(-lead, period), axis=1, mode="wrap")
     y = _outputs(model, z, step * np.arange(lead + period))[:, lead:]
@@ -155,8 +168,11 @@ def _checked_profile(profile: Any, wheels: tuple[str, ...], samples: int) -> Arr
     if isinstance(profile, Mapping):
         if set(profile) != set(wheels):
             raise ValueError(f"profile must have the wheels {', '.join(wheels)}, got {', '.join(map(str, profile))}")
-        profile = np.stack([np.asarray(profile[name]) for name in wheels])
-    z = np.asarray(profile)
+        profile = [profile[name] for name in wheels]
+    try:
+        z = np.asarray(profile)
+    except ValueError:
+        raise ValueError(f"profile must have shape {(len(wheels), samples)}, got rows of different lengths") from None
     if z.dtype.kind not in "iuf":
         raise TypeError(f"profile must be road heights in m, got {profile!r}")
     if z.ndim == 1:

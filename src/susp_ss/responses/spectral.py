@@ -15,6 +15,10 @@ from .frequency import output_density
 # to 1 or to 3) need ends this far out; the integrand costs nothing there.
 LOWEST, HIGHEST = 1e-60, 1e60
 
+# Front and rear wheels interfere ever faster as frequency rises, and less and less. Well above every resonance, and
+# many turns of their phase up, the interference fades out smoothly over a decade, within the tolerance below.
+ABOVE, TURNS, FADE = 10.0, 50.0, 10.0
+
 # Relative to each variance, but no finer than to what the wheels would give alone, where their effects cancel.
 RELATIVE, CANCELLED = 1e-7, 1e-12
 
@@ -39,23 +43,27 @@ def _variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
     density = np.sum(np.abs(model.transfer(2.0 * np.pi * span)) ** 2, axis=-1) * road.intensity
     scale = np.trapezoid(density, span, axis=-2).reshape(-1)
 
+    resonances = np.abs(np.linalg.eigvals(model.A)) / (2.0 * np.pi)
+    turn = road.speed / (2.0 * np.pi * float(np.max(vehicle.wheelbase))) if np.any(vehicle.wheelbase) else 0.0
+    fading = max(ABOVE * resonances.max(), TURNS * turn)
+
     def integrand(u: NDArray) -> NDArray:
         f = np.exp(u[:, 0])
-        density = output_density(vehicle, model, road, f).reshape(len(f), -1)
+        fade = np.clip(np.log(f / fading) / np.log(FADE), 0.0, 1.0)
+        density = output_density(vehicle, model, road, f, np.cos(0.5 * np.pi * fade) ** 2).reshape(len(f), -1)
         return np.where(infinite, 0.0, density) * f[:, None] / scale
 
-    eigenvalues = np.linalg.eigvals(model.A)
-    resonances = np.unique(np.log(np.abs(eigenvalues) / (2.0 * np.pi)).round(6))
+    lowest, highest = np.log(LOWEST), np.log(HIGHEST)
     result = cubature(
         integrand,
-        [np.log(LOWEST)],
-        [np.log(HIGHEST)],
+        [lowest],
+        [highest],
         rule="gk21",
         rtol=RELATIVE,
         atol=CANCELLED,
         max_subdivisions=20000,
-        points=[np.array([u]) for u in resonances],
+        points=[np.array([u]) for u in np.unique(np.log(resonances).round(6))],
     )
     if result.status != "converged" and np.any(result.error > 1e-6 * np.abs(result.estimate) + CANCELLED):
-        raise ValueError(f"{type(vehicle).__name__}: the spectral integral did not converge; raise the damping")
+        raise ValueError(f"{type(vehicle).__name__}: the integral over the spectrum did not converge to 1e-6")
     return np.where(infinite, np.inf, scale * result.estimate)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import gamma, kv
 
 REFERENCE_WAVENUMBER = 0.1
@@ -83,7 +83,7 @@ class Road:
         if cutoff < 0.0:
             raise ValueError(f"Road(cutoff=...) must be >= 0 cycle/m, got {cutoff!r}")
         object.__setattr__(self, "cutoff", cutoff)
-        if self.tracks not in TRACKS:
+        if not isinstance(self.tracks, str) or self.tracks not in TRACKS:
             raise ValueError(f"Road(tracks=...) must be one of {', '.join(TRACKS)}, got {self.tracks!r}")
         if not isinstance(self.delay, (bool, np.bool_)):
             raise TypeError(f"Road(delay=...) must be True or False, got {self.delay!r}")
@@ -112,7 +112,7 @@ class Road:
         >>> Road.iso8608("B") == Road(roughness=64e-6)
         True
         """
-        if road_class not in CLASSES:
+        if not isinstance(road_class, str) or road_class not in CLASSES:
             raise ValueError(f"road class must be one of {', '.join(CLASSES)}, got {road_class!r}")
         if "roughness" in parameters:
             raise ValueError("Road.iso8608 takes its roughness from the class; pass Road(roughness=...) instead")
@@ -128,7 +128,7 @@ class Road:
 
     def psd(self, n: ArrayLike) -> Any:
         """One-sided displacement spectrum ``G_d(n)`` in m^3 at wavenumbers ``n`` > 0 (cycle/m)."""
-        n = np.asarray(n, dtype=float)
+        n = _wavenumbers(n)
         low_cut = 1.0 / (1.0 + (self.cutoff / n) ** 2)
         return (self.roughness * (n / REFERENCE_WAVENUMBER) ** -self.waviness * low_cut)[()]
 
@@ -154,7 +154,7 @@ class Road:
         There ``gamma`` is 1 to rounding, and the leading terms of its series stand in:
         ``1 - gamma = Gamma(1-v)/Gamma(1+v) (x/2)^(2v) - (x/2)^2 / (1-v)`` with ``v = w/2``.
         """
-        n, width = np.broadcast_arrays(np.asarray(n, dtype=float), np.asarray(track_width, dtype=float))
+        n, width = np.broadcast_arrays(_wavenumbers(n), np.asarray(track_width, dtype=float))
         if self.tracks != "isotropic":
             return np.full(n.shape, float(self.tracks != "identical"))[()]
         v, half = 0.5 * self.waviness, np.maximum(np.pi * n * width, np.finfo(float).tiny)
@@ -172,7 +172,7 @@ class Road:
         ``gamma(n) G_d(n) exp(-j 2 pi n L)``: ``track_width`` apart across the road (0: the same track) and the
         second wheel ``distance`` L behind the first.
         """
-        n = np.asarray(n, dtype=float)
+        n = _wavenumbers(n)
         across = np.where(np.asarray(track_width) == 0.0, 1.0, self.coherence(n, track_width))
         along = np.exp(-2j * np.pi * n * np.asarray(distance)) if self.delay else 1.0
         return (across * self.psd(n) * along)[()]
@@ -190,6 +190,17 @@ class Road:
                 *([f"under {', '.join(self.wheels)} only"] if self.wheels else []),
             ]
         )
+
+
+def _wavenumbers(n: ArrayLike) -> NDArray[np.float64]:
+    values = np.asarray(n)
+    if values.dtype.kind not in "iuf":
+        raise TypeError(f"n must be wavenumbers in cycle/m, got {n!r}")
+    if not (np.isfinite(values) & (values > 0.0)).all():
+        raise ValueError(
+            f"n must be finite and > 0 cycle/m, got {values[~(np.isfinite(values) & (values > 0.0))].flat[0]}"
+        )
+    return values.astype(float)
 
 
 def _number(name: str, value: Any, need: str) -> float:

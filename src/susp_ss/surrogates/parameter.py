@@ -19,6 +19,9 @@ from .low_fidelity import check_callable, evaluated
 # The sum of squares is scanned at this many values; a valley between two neighbours could hide from it.
 SCAN = 65
 
+# A sum of squares that varies less than this over the whole scan varies by rounding alone.
+INERT = 1e-10
+
 
 class ParameterBased(RegressorMixin, BaseEstimator):
     """Parameter-based surrogate (PB): the cheap model with one of its own parameters tuned.
@@ -85,7 +88,7 @@ class ParameterBased(RegressorMixin, BaseEstimator):
 
         grid = np.linspace(0.0, 1.0, SCAN)
         scanned = np.array([squares(u) for u in grid])
-        if (scanned == scanned[0]).all():
+        if np.ptp(scanned) <= INERT * scanned.max():
             raise ValueError(
                 f"low_fidelity must depend on its second argument, got one sum of squares for all values from {low:g} "
                 f"to {high:g}"

@@ -151,6 +151,7 @@ class Linkage:
             elongation=_blocks(len(body), unit[strut], k[..., tread, None] * unit[tread], 0.0 * unit[strut]),
             rate=_blocks(len(body), 0.0 * unit[strut], c[..., tread, None] * unit[tread], unit[strut]),
             strut=strut,
+            tread=tread,
             damping=c[..., strut],
             undamped=np.any((c[..., strut] == 0.0) & (c[..., tread] == 0.0), axis=-1),
             warp=None if self.warp is None else _rows([self.warp], inputs)[0],
@@ -181,6 +182,7 @@ class SecondOrder:
     elongation: Array
     rate: Array
     strut: NDArray[np.int_]
+    tread: NDArray[np.int_]
     damping: Array
     undamped: NDArray[np.bool_]
     warp: Array | None

@@ -12,7 +12,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 # Dims of results; a sweep's own would collide with them.
-RESERVED = {"point", "corner", "state", "state_", "output", "input", "frequency", "time"}
+RESERVED = {"point", "corner", "state", "state_", "output", "input", "frequency", "time"} | {
+    *("bacc", "sws", "dtl", "pitch_acc", "roll_acc", "damper_power"),
+}
 
 
 def parameter(default: Any, unit: str, meaning: str, zero: bool = False) -> Any:
@@ -66,11 +68,12 @@ def checked(value: Any, where: str, unit: str, zero: bool) -> Any:
         values = value.values if isinstance(value, xr.DataArray) else np.asarray(value)
     except ValueError:
         raise TypeError(f"{where} {need}, got rows of different lengths") from None
-    if values.dtype.kind not in "iuf":
+    if values.dtype.kind not in "iuf" or np.ma.is_masked(value):
         raise TypeError(f"{where} {need}, got {value!r}; pass a number, an array or an xarray.DataArray")
     if values.size == 0:
         raise ValueError(f"{where} {need}, got an empty array")
     values = values.astype(float)
+    values.flags.writeable = False
     bad = ~(np.isfinite(values) & (values >= 0.0 if zero else values > 0.0))
     if bad.any():
         index = np.unravel_index(np.argmax(bad), bad.shape)
@@ -81,10 +84,10 @@ def checked(value: Any, where: str, unit: str, zero: bool) -> Any:
         return float(values)
     if not isinstance(value, xr.DataArray):
         return values
-    taken = RESERVED.intersection(value.dims)
-    if taken:
-        raise ValueError(f"{where} has a dim named {min(taken)!r}, which results use themselves; rename it")
-    return value.astype(float)
+    for dim in value.dims:
+        if dim in RESERVED or not isinstance(dim, str):
+            raise ValueError(f"{where} has a dim named {dim!r}, which results use themselves or cannot use; rename it")
+    return value.copy(data=values)
 
 
 def design_dims(ndim: int) -> tuple[str, ...]:
@@ -119,7 +122,13 @@ class Sweep:
             sizes = [dict(x.sizes) if isinstance(x, xr.DataArray) else x.shape for x in labelled + plain]
             raise ValueError(f"{where} has parameters that do not broadcast: sizes {sizes}; {error}") from None
         template = aligned[0]
-        coords = {str(name): coord for name, coord in template.coords.items() if name in template.dims}
+        coords: dict[str, Any] = {}
+        clashing = set()
+        for array in aligned:
+            for name, coord in array.coords.items():
+                clashing |= {name} if name in coords and not coords[str(name)].identical(coord) else set()
+                coords[str(name)] = coord
+        coords = {name: coord for name, coord in coords.items() if name in template.dims or name not in clashing}
         return cls(tuple(map(str, template.dims)), template.shape, coords, shape, template)
 
     @property

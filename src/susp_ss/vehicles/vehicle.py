@@ -52,6 +52,9 @@ class Vehicle:
             return tuple(
                 checked(part, f"{where} at end {name}", **rule) for name, part in zip(self.wheels, value, strict=True)
             )
+        if isinstance(value, Corners):
+            takes = "(first, second)" if field.name in self.per_corner else "one value"
+            raise TypeError(f"{where} takes {takes}, got Corners")
         return checked(value, where, **rule)
 
     def _leaves(self) -> list[Any]:
@@ -125,7 +128,8 @@ class Vehicle:
         input : {"displacement", "velocity"}
             What the road gives: heights ``z_r...`` (m), with states ``(q, q')``; or their rates ``dz_r...`` (m/s),
             with states ``p = q - G z_r`` relative to the road (names ``p_...``), velocities, and for the full
-            car the ``warp`` of the road, the one direction in which a rigid body cannot follow it.
+            car the ``warp`` of the road, the one direction in which a rigid body cannot follow it. The warp is an
+            integrator that no actuator reaches: leave it out (it is the last state) for H2 norms and LQR.
         actuators : bool
             Add force inputs ``u...`` (N) between wheel and body, positive pushing the body up, and the suspension
             velocities ``dsws...`` (m/s) as outputs.
@@ -152,6 +156,8 @@ class Vehicle:
         """
         import control
 
+        if not isinstance(actuators, bool | np.bool_):
+            raise TypeError(f"actuators must be True or False, got {actuators!r}")
         if input not in ("displacement", "velocity"):
             raise ValueError(f"input must be 'displacement' or 'velocity', got {input!r}")
         model = self._single("state_space()")
@@ -165,8 +171,8 @@ class Vehicle:
             improper = [name for name, row in zip(outputs, D1, strict=False) if np.any(row != 0.0)]
             if improper:
                 raise ValueError(
-                    f"{', '.join(improper)} need the velocity of the road, so that no state space from its "
-                    'displacement exists; pass input="velocity"'
+                    f"{', '.join(improper)}: no state space from the displacement of the road exists, as its velocity "
+                    'is passed straight on; pass input="velocity"'
                 )
             states = model.coordinates + tuple(f"d{name}" for name in model.coordinates)
             inputs = model.inputs
@@ -174,7 +180,11 @@ class Vehicle:
             push = -model.minv * model.R[model.strut].T
             B_u = np.zeros((len(A), len(model.corners)))
             B_u[len(push) : 2 * len(push)] = push
-            B, D = np.hstack([B, B_u]), np.hstack([D, model.acceleration @ push])
+            D_u = model.acceleration @ push
+            # On a rigid tyre the road carries what the actuator pushes with.
+            loads = [model.outputs.index(signal("dtl", corner)) for corner in model.corners]
+            D_u[loads] += np.diag(model.strut == model.tread)
+            B, D = np.hstack([B, B_u]), np.hstack([D, D_u])
             inputs = inputs + tuple(signal("u", corner) for corner in model.corners)
         return control.ss(
             A, B, Y[:last], D[:last], states=states, inputs=inputs, outputs=outputs, name=type(self).__name__
@@ -195,7 +205,7 @@ class Vehicle:
         model = self.flattened(sweep).assemble()
         root = np.sqrt(model.m)
         eigenvalues = np.linalg.eigvalsh(model.K / (root[..., :, None] * root[..., None, :]))
-        frequencies = np.sqrt(eigenvalues) / (2.0 * np.pi)
+        frequencies = np.sqrt(np.maximum(eigenvalues, 0.0)) / (2.0 * np.pi)
         return np.broadcast_to(frequencies, (sweep.size, root.shape[-1])).reshape(*sweep.shape, -1)
 
     def modes(self) -> pd.DataFrame:
