@@ -81,6 +81,7 @@ def vehicle_from_options(
     arb_front: Annotated[float | None, _parameter("N/m", "Front anti-roll bar.")] = None,
     arb_rear: Annotated[float | None, _parameter("N/m", "Rear anti-roll bar.")] = None,
 ) -> "Vehicle":
+    """Make the vehicle that a file and options describe; options override the file."""
     fields = {"ms": ms, "mb": mb, "mu": mu, "ixx": ixx, "iyy": iyy, "a": a, "b": b, "c": c}
     fields |= {"ks": ks, "cs": cs, "kt": kt, "ct": ct, "arb": arb, "arb_front": arb_front, "arb_rear": arb_rear}
     given = {name: value for name, value in fields.items() if value is not None}
@@ -153,6 +154,7 @@ def road_from_options(
         ),
     ] = None,
 ) -> "Road":
+    """Make the road that the options describe."""
     from ..roads import Road
 
     if road_class is not None and roughness is not None:

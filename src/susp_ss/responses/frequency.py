@@ -134,6 +134,7 @@ def output_density(
 
 
 def checked_frequency(frequency: ArrayLike) -> NDArray[np.float64]:
+    """Return frequencies as one row of floats, or say what is wrong with them."""
     values = np.asarray(frequency)
     if values.dtype.kind not in "iuf":
         raise TypeError(f"frequency must be numbers in Hz, got {frequency!r}")

@@ -34,5 +34,6 @@ def evaluated(low_fidelity: Callable[..., Any], X: NDArray[np.float64], *value: 
 
 
 def check_callable(low_fidelity: Any) -> None:
+    """Say when the cheap model cannot be called."""
     if not callable(low_fidelity):
         raise TypeError(f"low_fidelity must be a callable of X (n, k) that returns (n,), got {low_fidelity!r}")
