@@ -5,7 +5,7 @@ BIN := .venv/bin
 # The linear algebra here is many small problems: one thread each beats many threads for one.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: study test clean
+.PHONY: study test bench clean
 
 study: .venv/installed
 	$(BIN)/susp-ss study --out results --force
@@ -15,6 +15,9 @@ test: .venv/installed-test
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/pytest
+
+bench: .venv/installed
+	$(BIN)/python benchmarks/ride_metrics.py
 
 .venv/installed: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
