@@ -145,6 +145,18 @@ def test_coincident_rates_of_cutoff_and_coherence():
             np.testing.assert_allclose(at[name], near[name], rtol=1e-4)
 
 
+@pytest.mark.parametrize("tracks", ["independent", "isotropic"])
+@pytest.mark.parametrize("waviness", [1.5, 2.5])
+def test_spectral_route_of_a_warped_road_of_any_waviness(tracks, waviness):
+    # Front and rear warps grow without bound towards low frequency and all but cancel.
+    vehicle, road = VEHICLES["full, bars"], ss.Road(tracks=tracks, waviness=waviness)
+    oracle = models.oracle(vehicle)
+    expected = oracles.metrics(oracle, oracles.variance_spectral(oracle, models.oracle_road(road)))
+    ours = by_name(ss.ride_metrics(vehicle, road, method="spectral"))
+    for key, value in expected.items():
+        np.testing.assert_allclose(ours[key], value, rtol=1e-6, err_msg=key)
+
+
 @pytest.mark.parametrize("ct", [300.0, 5000.0])
 @pytest.mark.parametrize("speed", [2.0, 20.0, 200.0])
 def test_interference_of_delayed_wheels_fades_within_the_tolerance(ct, speed):

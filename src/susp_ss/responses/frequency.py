@@ -128,8 +128,10 @@ def output_density(
             apart = road.incoherence(f / road.speed, width)
             share = 0.5 * (apart if process.sign < 0 else 2.0 - apart)
         now, later = H @ process.now, lag[..., None] * (H @ process.later)
-        cross = 2.0 * np.asarray(interference)[..., None] * (now * later.conj()).real
-        total += (np.abs(now) ** 2 + np.abs(later) ** 2 + cross) * (share * velocity)[..., None]
+        # The sum first: at low frequency a warp of either axle is large and nearly cancels the other's.
+        power = np.abs(now + later) ** 2
+        power -= 2.0 * (1.0 - np.asarray(interference))[..., None] * (now * later.conj()).real
+        total += power * (share * velocity)[..., None]
     return total
 
 
