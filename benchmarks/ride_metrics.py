@@ -51,13 +51,12 @@ class Peers:
     def __init__(self, model, count):
         self.cars = sweep(model, count)
         assembled = self.cars.assemble()
-        A, B, Y, D = assembled.velocity_form()
+        A, B, Y, _ = assembled.velocity_form()
         n = 2 * len(assembled.coordinates)
         self.A, self.Y = A[:, :n, :n], Y[:, :, :n]
         rear = np.array([float(wheel.axle) for wheel in self.cars.wheels.values()])
         self.front, self.rear = B[:, :n] @ (1.0 - rear), B[:, :n] @ rear
         self.tau = float(self.cars.wheelbase) / ROAD.speed
-        self.D = D
 
     def ours_covariance(self):
         ss.ride_metrics(self.cars, ROAD)
