@@ -2,6 +2,7 @@
 
 from dataclasses import fields
 
+import mpmath
 from hypothesis import strategies as st
 
 import oracles
@@ -10,10 +11,14 @@ import susp_ss as ss
 CORNERS = ("fr", "fl", "rr", "rl")
 
 
-def oracle(vehicle):
-    """The same vehicle, written out term by term by the oracle."""
-    values = {field.name: getattr(vehicle, field.name) for field in fields(vehicle)}
-    values = {name: tuple(value) if isinstance(value, ss.Corners) else value for name, value in values.items()}
+def oracle(vehicle, digits=None):
+    """The same vehicle, written out term by term by the oracle; with `digits` in multiple precision from the start."""
+    number = float if digits is None else mpmath.mpf
+
+    def of(value):
+        return tuple(map(number, value)) if isinstance(value, (ss.Corners, tuple)) else number(value)
+
+    values = {field.name: of(getattr(vehicle, field.name)) for field in fields(vehicle)}
     writers = {
         ss.RigidTyreQuarterCar: oracles.rigid_tyre_matrices,
         ss.QuarterCar: oracles.quarter_matrices,
@@ -21,7 +26,8 @@ def oracle(vehicle):
         ss.RollHalfCar: oracles.roll_half_matrices,
         ss.FullCar: oracles.full_car_matrices,
     }
-    return writers[type(vehicle)](**values)
+    with mpmath.workdps(digits or 15):
+        return writers[type(vehicle)](**values)
 
 
 UNEQUAL = {

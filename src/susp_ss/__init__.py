@@ -30,6 +30,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "roads": ["Road"],
         "responses": ["covariance", "frequency_response", "psd", "simulate"],
         "metrics": ["Response", "ride_metrics"],
+        "sensitivities": ["sensitivity"],
         "surrogates": ["ParameterBased", "ResponseBased", "VariableBased", "accuracy"],
         "study": ["Study", "feasibility_study"],
     },

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from .responses.covariance import covariance_variances
 from .responses.excitation import check_kinds
 from .responses.labels import QUANTITIES, labelled_outputs
 from .responses.simulation import time_variances
 from .responses.spectral import spectral_variances
+from .responses.variances import covariance_variances
 from .roads import Road
 from .vehicles import Vehicle
 
@@ -35,7 +36,8 @@ def ride_metrics(
     Parameters
     ----------
     vehicle : Vehicle
-        Any of the five models. Parameters that are arrays make a sweep, whose dims come first in the result.
+        Any of the five models. Parameters that are arrays make a sweep, whose dims come first in the result. If one
+        is a DataArray of Dask blocks, so is the result: each block's values are checked when it is computed.
     road : Road
         What the wheels run over.
     method : {"covariance", "spectral", "time"}
@@ -73,24 +75,133 @@ def ride_metrics(
     check_kinds(vehicle, road)
     if method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
+    if vehicle.lazy:
+        return _lazy_metrics(vehicle, road, {"method": method, "duration": duration, "step": step, "seed": seed})
     if method == "time":
         variances, errors = time_variances(vehicle, road, duration, step, seed)
     else:
         variances = {"covariance": covariance_variances, "spectral": spectral_variances}[method](vehicle, road)
     sweep = vehicle.sweep()
-    model = vehicle.flattened(sweep).assemble()
+    flat = vehicle.flattened(sweep)
+    # Only for its names: the matrices of all designs would take far more memory than their metrics.
+    model = flat.designs(slice(0, 1)).assemble()
+    damping = np.stack(np.broadcast_arrays(*flat._at_corners("cs")), axis=-1)
     corners = len(model.corners)
     roots = np.sqrt(variances)
-    metrics = labelled_outputs(model, roots, model.damping * variances[:, -corners:], sweep, statistic="RMS")
+    metrics = labelled_outputs(model, roots, damping * variances[:, -corners:], sweep, statistic="RMS")
     metrics.damper_power.attrs["long_name"] = f"mean {QUANTITIES['damper_power'][1]}"
     if method == "time":
         with np.errstate(divide="ignore", invalid="ignore"):
             of_roots = np.where(errors > 0.0, errors / (2.0 * roots), 0.0)
-        stderr = labelled_outputs(
-            model, of_roots, model.damping * errors[:, -corners:], sweep, statistic="standard error of"
-        )
+        power = damping * errors[:, -corners:]
+        stderr = labelled_outputs(model, of_roots, power, sweep, statistic="standard error of")
         metrics = metrics.assign({f"{name}_stderr": data for name, data in stderr.items()})
     return metrics
+
+
+def _lazy_metrics(vehicle: Vehicle, road: Road, how: dict[str, Any]) -> xr.Dataset:
+    """Metrics by blocks of designs, each computed when Dask computes it."""
+    import dask.array
+
+    sweep = vehicle.sweep()
+    frame, arrays = taken_apart(vehicle)
+    with warnings.catch_warnings():
+        # A grid has more blocks than any of its axes, which Dask would warn of.
+        warnings.simplefilter("ignore", dask.array.PerformanceWarning)
+        arrays = arrays.unify_chunks()
+    # Without labels, positions let a block name the design that it refuses.
+    unlabelled = [dim for dim in sweep.dims if dim not in arrays.indexes]
+    arrays = arrays.assign_coords({dim: np.arange(arrays.sizes[dim]) for dim in unlabelled})
+
+    # Names, places and units are those of any vehicle of the kind; a record for them need not be long.
+    like = ride_metrics(type(vehicle)(), Road(), how["method"], duration=1.0, step=0.01)
+    chunks = tuple(arrays.chunksizes.get(dim, (arrays.sizes[dim],)) for dim in sweep.dims)
+    blocks = {
+        name: dask.array.empty((*sweep.shape, *data.shape), chunks=(*chunks, *data.shape))
+        for name, data in like.items()
+    }
+    variables = {name: ((*sweep.dims, *like[name].dims), data, like[name].attrs) for name, data in blocks.items()}
+    template = xr.Dataset(variables, {**sweep.coords, **like.coords})
+    # Dask tells blocks apart by these arguments, not by what a closure would hold.
+    given = {"frame": frame, "road": road, "how": how, "dims": sweep.dims, "unlabelled": unlabelled}
+    return xr.map_blocks(_without_positions, arrays, kwargs=given, template=template)
+
+
+def _without_positions(block: xr.Dataset, unlabelled: list[str], **given: Any) -> xr.Dataset:
+    return block_metrics(block, **given).drop_vars(unlabelled)
+
+
+def taken_apart(vehicle: Vehicle) -> tuple[Vehicle, xr.Dataset]:
+    """Split a vehicle into a frame, with names in place of its array parameters, and the arrays by name."""
+    sweep = vehicle.sweep()
+    arrays: dict[str, xr.Variable] = {}
+
+    def named(leaf: Any) -> Any:
+        if isinstance(leaf, float):
+            return leaf
+        name = f"parameter {len(arrays)}"
+        arrays[name] = sweep.labelled(leaf).variable
+        return name
+
+    frame = vehicle.mapped(named)
+    return frame, xr.Dataset(arrays, sweep.coords)
+
+
+def block_metrics(
+    block: xr.Dataset, frame: Vehicle, road: Road, how: dict[str, Any], dims: Sequence[str]
+) -> xr.Dataset:
+    """Metrics of the designs that a block of arrays makes of a frame.
+
+    Parameters
+    ----------
+    block : xarray.Dataset
+        In memory, with a coordinate along every dim: some of the arrays of `taken_apart`.
+    frame : Vehicle
+        Of `taken_apart`.
+    road : Road
+        What the vehicles run over.
+    how : dict
+        Further arguments of `ride_metrics`.
+    dims : sequence of str
+        Order of the result's dims, before those of the places.
+
+    Raises
+    ------
+    ValueError
+        A design is refused; the message ends with its coordinates.
+    """
+
+    def metrics(designs: xr.Dataset) -> xr.Dataset:
+        vehicle = frame.mapped(lambda leaf: designs[leaf] if isinstance(leaf, str) else leaf)
+        return ride_metrics(dataclasses.replace(vehicle), road, **how).transpose(*dims, ..., missing_dims="ignore")
+
+    try:
+        return metrics(block)
+    except ValueError as error:
+        raise _first_refusal(metrics, block) or error from None
+
+
+def _first_refusal(metrics: Callable[[xr.Dataset], Any], designs: xr.Dataset) -> ValueError | None:
+    """Halve refused designs down to one, and return what is said of that."""
+
+    def refusal(some: xr.Dataset) -> ValueError | None:
+        try:
+            metrics(some)
+        except ValueError as error:
+            return error
+        return None
+
+    dims = list(designs.sizes)
+    for dim in dims:
+        while designs.sizes[dim] > 1:
+            half = designs.sizes[dim] // 2
+            first, second = designs.isel({dim: slice(half)}), designs.isel({dim: slice(half, None)})
+            designs = first if refusal(first) else second
+    one = designs.squeeze()
+    said = refusal(one)
+    if said is None or not dims:
+        return said
+    return ValueError(f"{said} at ({', '.join(f'{dim}={one[dim].item()}' for dim in dims)})")
 
 
 class Response:

@@ -83,6 +83,6 @@ def test_a_crawling_car_sees_two_independent_axles():
 def test_lost_digits_are_refused_by_design():
     with pytest.raises(ValueError, match="fewer than six digits"):
         ss.covariance(ss.QuarterCar(cs=1e9), ss.Road())
-    cars = ss.QuarterCar(cs=np.r_[np.full(300, 1500.0), 1e9])
+    cars = ss.QuarterCar(ks=np.r_[np.full(300, 18e3), 1e17])
     with pytest.raises(ValueError, match=r"QuarterCar at \(design=300\)"):
         ss.ride_metrics(cars, ss.Road())

@@ -175,7 +175,7 @@ def test_light_damping_keeps_its_accuracy(vehicle, lightness):
         return tuple(part * lightness for part in value) if isinstance(value, tuple) else value * lightness
 
     vehicle = dataclasses.replace(vehicle, cs=lighter(vehicle.cs), ct=0.0)
-    oracle = models.oracle(vehicle)
+    oracle = models.oracle(vehicle, digits=40)
     road = oracles.RoadCase(speed=20.0)
     expected = oracles.metrics(oracle, oracles.variance_lyapunov_delay(oracle, road, digits=40))
     metrics = ss.ride_metrics(vehicle, ss.Road())
@@ -205,7 +205,7 @@ def test_extreme_parameters_keep_six_digits_or_are_refused(model, extreme):
         with pytest.raises(ValueError, match="keeps fewer than six digits"):
             ss.ride_metrics(car, ss.Road(tracks="independent"))
         return
-    oracle = models.oracle(car)
+    oracle = models.oracle(car, digits=60)
     road = oracles.RoadCase(speed=20.0, tracks="independent")
     expected = oracles.metrics(oracle, oracles.variance_lyapunov_delay(oracle, road, digits=60))
     for name in ("bacc", "sws", "dtl", "damper_power"):

@@ -135,7 +135,7 @@ def test_waviness_without_a_state_space_model_names_the_other_route():
 
 def test_coincident_rates_of_cutoff_and_coherence():
     # A cut-off at one of the fit's own rates makes its partial fractions coincide.
-    from susp_ss.responses.covariance import COHERENCE_RATES
+    from susp_ss.responses.spectrum import COHERENCE_RATES
 
     car = ss.RollHalfCar()
     for rate in COHERENCE_RATES[1:3]:

@@ -1,4 +1,4 @@
-"""The command line: ``susp-ss study | metrics | bode``.
+"""The command line: ``susp-ss study | metrics | bode | sweep``.
 
 Bad input ends with exit code 2 and one line on stderr; whatever else goes wrong is a bug and keeps its traceback.
 Numerical libraries are imported inside the commands, so that ``--help`` answers at once.
@@ -11,13 +11,14 @@ from typing import Annotated
 
 import typer
 
-from . import bode, metrics, study
+from . import bode, metrics, study, sweep
 from .refusals import Refusal
 
 app = typer.Typer(add_completion=False, no_args_is_help=False, pretty_exceptions_enable=False)
 app.command("study")(study.run)
 app.command("metrics")(metrics.run)
 app.command("bode")(bode.run)
+app.command("sweep")(sweep.run)
 
 
 def _print_version(wanted: bool) -> None:

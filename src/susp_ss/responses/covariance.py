@@ -26,33 +26,16 @@ from ..vehicles import Vehicle
 from ..vehicles.linkage import SecondOrder
 from .excitation import Process, check_kinds, delay, infinite_outputs, processes, refuse_unbounded, refuse_undamped
 from .lyapunov import Dynamics
+from .spectrum import Spectrum, spectrum
 
 Array = NDArray[np.float64]
 
-# x K_1(x) ~ sum c_i / (1 + (x / x_i)^2) with sum c_i = 1: a minimax fit of the error relative to 1 - x K_1(x), which
-# rules roll, over x from 0.05 to 60; it stays below 3.5e-4 there. The signs are free, since the coherence decays
-# exponentially and nonnegative terms cannot come closer than 0.7 %.
-COHERENCE_RATES = np.array([0.042969, 0.144895, 0.402436, 1.023908, 2.287207, 4.500472, 7.055675])
-COHERENCE_WEIGHTS = np.array([0.0014158, 0.0111706, 0.0779362, 0.4023666, 0.891928, -0.4842454, 0.0994281])
-COHERENCE_WEIGHTS = COHERENCE_WEIGHTS / COHERENCE_WEIGHTS.sum()
-
-# Relative error of a variance beyond which it is refused, and the error of a sound solution: a variance no larger than
-# that, relative to its terms, is zero by symmetry.
-LOST, SOUND = 1e-6, 1e-12
-
-# The same of the largest entries of a covariance matrix, among which smaller ones must keep their digits too.
+# Relative error of the largest entries of a matrix, among which smaller ones must keep their digits too, beyond which a
+# design is refused.
 LOST_MATRIX = 1e-9
 
 # Designs solved together: their 49 x 49 systems then stay near the processor.
 BATCH = 256
-
-
-class Spectrum(NamedTuple):
-    """Two-sided velocity spectrum ``white + sum_j weight_j alpha_j^2 / (alpha_j^2 + omega^2)``."""
-
-    white: float
-    alphas: Array
-    weights: Array
 
 
 class Moments(NamedTuple):
@@ -100,36 +83,32 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     True
     """
     check_kinds(vehicle, road)
-    batches = list(covariance_batches(vehicle, road, LOST_MATRIX))
-    states = list(batches[0].model.relative_states)
-    X = np.concatenate([moments.X for moments in batches])
+    refuse_waviness(road)
+    sweep = vehicle.sweep()
+    flat = vehicle.flattened(sweep)
+    solved = [moments(vehicle, flat, road, chosen, LOST_MATRIX) for chosen in batches(np.arange(sweep.size), BATCH)]
+    states = list(solved[0].model.relative_states)
+    X = np.concatenate([batch.X for batch in solved])
     labels = {"state": states, "state_": states}
-    return vehicle.sweep().unflatten(X, ("state", "state_"), labels).rename("covariance")
+    return sweep.unflatten(X, ("state", "state_"), labels).rename("covariance")
 
 
-def covariance_batches(vehicle: Vehicle, road: Road, lost: float = LOST) -> Iterator[Moments]:
-    """Yield the covariance of all designs, a batch at a time, each with an error below ``lost``."""
+def refuse_waviness(road: Road) -> None:
+    """Say when a road has no finite state-space model."""
     if road.waviness != 2.0:
         raise ValueError(
             f"the covariance route needs waviness 2, got {road.waviness:g}: no finite state-space model of such a "
             'road exists; pass method="spectral"'
         )
-    sweep = vehicle.sweep()
-    flat = vehicle.flattened(sweep)
-    for start in range(0, sweep.size, BATCH):
-        stop = min(start + BATCH, sweep.size)
-        try:
-            with np.errstate(all="ignore"):
-                moments = _moments(flat.designs(slice(start, stop)), road, stop - start)
-        except np.linalg.LinAlgError:
-            raise _lost(vehicle, start) from None
-        beyond = ~(moments.error < lost)
-        if beyond.any():
-            raise _lost(vehicle, start + int(np.argmax(beyond)))
-        yield moments
 
 
-def _lost(vehicle: Vehicle, design: int) -> ValueError:
+def batches(designs: NDArray[np.int_], size: int) -> Iterator[NDArray[np.int_]]:
+    """The designs, at most ``size`` at a time."""
+    return (designs[i : i + size] for i in range(0, len(designs), size))
+
+
+def lost_digits(vehicle: Vehicle, design: int) -> ValueError:
+    """Say which design cannot be computed to six digits."""
     place = dict(zip(vehicle.sweep().dims, np.unravel_index(design, vehicle.sweep().shape), strict=True))
     where = f" at ({', '.join(f'{dim}={i}' for dim, i in place.items())})" if place else ""
     return ValueError(
@@ -138,31 +117,24 @@ def _lost(vehicle: Vehicle, design: int) -> ValueError:
     )
 
 
-def spectrum(road: Road, process: Process, track_width: Array) -> Spectrum:
-    """Write a process's velocity spectrum as a white part and signed first-order colours, (N, J)."""
-    q = road.intensity
-    alphas = np.empty((len(track_width), 0))
-    weights = alphas
-    if process.sign:
-        alphas = COHERENCE_RATES * road.speed / track_width[:, None]
-        weights = np.broadcast_to(0.5 * process.sign * q * COHERENCE_WEIGHTS, alphas.shape)
-    white = q * process.share
-    if road.cutoff:
-        # The cut-off multiplies by w^2 / (w^2 + cut^2); partial fractions, apart from coincident rates.
-        cut = 2.0 * np.pi * road.cutoff * road.speed
-        alphas = np.where(np.abs(alphas - cut) < 1e-6 * cut, (1.0 + 1e-6) * cut, alphas)
-        weights = weights * alphas**2 / (alphas**2 - cut**2)
-        own = -white - weights.sum(axis=1, keepdims=True)
-        alphas = np.concatenate([alphas, np.full_like(own, cut)], axis=1)
-        weights = np.concatenate([weights, own], axis=1)
-    return Spectrum(white, alphas, weights)
-
-
-def _moments(vehicle: Vehicle, road: Road, N: int) -> Moments:
-    model = vehicle.assemble()
+def moments(vehicle: Vehicle, flat: Vehicle, road: Road, chosen: NDArray[np.int_], lost: float) -> Moments:
+    """Covariance of some designs of a flattened vehicle, each with an error below ``lost``."""
+    designs = flat.designs(chosen)
+    model = designs.assemble()
     refuse_undamped(vehicle, model)
     refuse_unbounded(vehicle, road, model.warp)
+    try:
+        with np.errstate(all="ignore"):
+            solved = _solved(designs, model, road, len(chosen))
+    except np.linalg.LinAlgError:
+        raise lost_digits(vehicle, int(chosen[0])) from None
+    beyond = ~(solved.error < lost)
+    if beyond.any():
+        raise lost_digits(vehicle, int(chosen[np.argmax(beyond)]))
+    return solved
 
+
+def _solved(vehicle: Vehicle, model: SecondOrder, road: Road, N: int) -> Moments:
     n = len(model.coordinates)
     root = np.sqrt(model.m)
     scale = 1.0 / (root[..., :, None] * root[..., None, :])
@@ -253,19 +225,3 @@ class _Response:
 
 def _outer(x: Array, y: Array) -> Array:
     return x[..., :, None] * y[..., None, :]
-
-
-def covariance_variances(vehicle: Vehicle, road: Road) -> Array:
-    """Variances (designs, outputs) of all outputs of all designs; `inf` where the road's white velocity reaches one."""
-    variances: list[Array] = []
-    for model, X, error, infinite in covariance_batches(vehicle, road):
-        Y = model.velocity_form()[2]
-        variance = np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
-        terms = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0))) ** 2
-        noise = error[:, None] * terms
-        zero = (variance <= 10.0 * np.maximum(noise, np.finfo(float).eps * terms)) & (error < SOUND)[:, None]
-        lost = np.any(~zero & ~infinite & (noise > LOST * variance), axis=-1)
-        if lost.any():
-            raise _lost(vehicle, len(variances) * BATCH + int(np.argmax(lost)))
-        variances.append(np.where(infinite, np.inf, np.where(zero, 0.0, variance)))
-    return np.concatenate(variances)

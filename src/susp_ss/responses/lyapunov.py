@@ -6,7 +6,7 @@ vectors are stacks (N, 2n, k) with the positions above the velocities. Nothing h
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -102,51 +102,51 @@ class Dynamics:
         return free, np.concatenate([np.empty((*b.shape, 0)), *forced], axis=-1)
 
     def lyapunov(self, Q: Array) -> tuple[Array, Array]:
-        """Solve ``A X + X A^T + Q = 0`` for symmetric Q (N, 2n, 2n); every design must be asymptotically stable.
+        """Solve ``A X + X A^T + Q = 0`` for symmetric Q (..., N, 2n, 2n); every design must be asymptotically stable.
 
-        Returns X (N, 2n, 2n) and its relative error (N,), as an order of magnitude.
+        Returns X (..., N, 2n, 2n) and its relative error (..., N), as an order of magnitude.
 
         With ``X = [[P, S], [S^T, V]]`` the position block gives ``S = W - Q_pp / 2`` with W skew, the mixed
         block ``V = P K + S C - Q_pv``, and what remains are n^2 equations in the n^2 numbers of P and W: V must be
         symmetric, and ``sym(K S + C V) = Q_vv / 2``. They are solved with one step of refinement, in a time unit that
-        makes the stiffness of order one.
+        makes the stiffness of order one. The equations are inverted once, whatever the number of Q.
         """
         n = self.n
-        unit = np.sqrt(np.trace(self.K, axis1=-2, axis2=-1) / n)[:, None, None]
-        K, C = self.K / unit**2, self.C / unit
-        Qpp, Qpv, Qvv = Q[:, :n, :n] / unit, Q[:, :n, n:] / unit**2, Q[:, n:, n:] / unit**3
-        symmetric, skew = _basis(n)
-
-        def blocks(P: Array, W: Array) -> Array:
-            """Left-hand sides of the n^2 equations for stacks of symmetric P and skew W, in one square each."""
-            left = _left(C, W), _left(K, W)
-            V = _transpose(_left(K, P) - left[0])
-            return (V - _transpose(V)) + _symmetrised(left[1] + _left(C, V))
-
-        L = blocks(symmetric, skew).reshape(len(K), n * n, n * n)
+        unit, K, C, L, inverse = self._equations
+        Qpp, Qpv, Qvv = Q[..., :n, :n] / unit, Q[..., :n, n:] / unit**2, Q[..., n:, n:] / unit**3
         V0 = -0.5 * Qpp @ C - Qpv
         known = (V0 - _transpose(V0)) + _symmetrised(-0.5 * K @ Qpp + C @ V0)
-        right = (Qvv - known).reshape(len(K), n * n)
-
-        inverse = np.linalg.inv(L)
+        right = (Qvv - known).reshape(*Q.shape[:-2], n * n)
 
         def correction(y: Array) -> Array:
-            return ((right - (y[:, None] @ L)[:, 0])[:, None] @ inverse)[:, 0]
+            return ((right - (y[..., None, :] @ L)[..., 0, :])[..., None, :] @ inverse)[..., 0, :]
 
-        y = (right[:, None] @ inverse)[:, 0]
+        y = (right[..., None, :] @ inverse)[..., 0, :]
         y += correction(y)
         # What a second step of refinement would still change tells the digits that are lost.
-        error = np.abs(correction(y)).max(axis=1) / np.abs(y).max(axis=1)
-        P, W = (y @ basis.reshape(n * n, n * n) for basis in (symmetric, skew))
-        P, W = P.reshape(-1, n, n), W.reshape(-1, n, n)
+        error = np.abs(correction(y)).max(axis=-1) / np.abs(y).max(axis=-1)
+        P, W = ((y @ basis.reshape(n * n, n * n)).reshape(*y.shape[:-1], n, n) for basis in _basis(n))
 
         S = W - 0.5 * Qpp
         V = P @ K + S @ C - Qpv
         V = 0.5 * (V + _transpose(V))
         X = np.empty_like(Q)
-        X[:, :n, :n], X[:, n:, n:] = P, V * unit**2
-        X[:, :n, n:], X[:, n:, :n] = S * unit, _transpose(S) * unit
+        X[..., :n, :n], X[..., n:, n:] = P, V * unit**2
+        X[..., :n, n:], X[..., n:, :n] = S * unit, _transpose(S) * unit
         return X, error
+
+    @cached_property
+    def _equations(self) -> tuple[Array, ...]:
+        """Time unit, K and C in it, and the n^2 equations L of `lyapunov`, each unknown a row, with their inverse."""
+        n = self.n
+        unit = np.sqrt(np.trace(self.K, axis1=-2, axis2=-1) / n)[:, None, None]
+        K, C = self.K / unit**2, self.C / unit
+        P, W = _basis(n)
+        left = _left(C, W), _left(K, W)
+        V = _transpose(_left(K, P) - left[0])
+        L = (V - _transpose(V)) + _symmetrised(left[1] + _left(C, V))
+        L = L.reshape(len(K), n * n, n * n)
+        return unit, K, C, L, np.asarray(np.linalg.inv(L), dtype=float)
 
 
 @cache

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 from .half import anti_roll_bar, corners_between
 from .linkage import Linkage, coordinates
 from .parameters import parameter
+from .sections import Mode, Section
 from .vehicle import Vehicle, Wheel
 
 
@@ -90,4 +91,23 @@ class FullCar(Vehicle):
                 anti_roll_bar(corners["rr"], corners["rl"], self.arb_rear),
             ],
             warp=road["fr"] - road["fl"] - road["rr"] + road["rl"],
+        )
+
+    def sections(self) -> tuple[Section, ...]:
+        right, left, rear_right, rear_left = self._struts()
+        if not (right.equals(left) and rear_right.equals(rear_left)):
+            return ()
+        front, rear = ("fr", "fl"), ("rr", "rl")
+        return (
+            Section(
+                {front: left, rear: rear_left},
+                {
+                    "bacc_cg": Mode(2.0 / self.mb, (1.0, 1.0)),
+                    "pitch_acc": Mode(2.0 / self.iyy, (-self.a, self.b)),
+                },
+            ),
+            Section(
+                {front: left.with_bar(self.arb_front), rear: rear_left.with_bar(self.arb_rear)},
+                {"roll_acc": Mode(2.0 / self.ixx, (self.c, self.c))},
+            ),
         )

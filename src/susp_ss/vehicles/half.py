@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 from .linkage import Corner, Link, Linkage, coordinates, track
 from .parameters import parameter
+from .sections import Mode, Section
 from .vehicle import Vehicle, Wheel
 
 
@@ -57,6 +58,11 @@ class PitchHalfCar(Vehicle):
             points={"cg": heave, **points},
             rotations={"pitch_acc": pitch},
         )
+
+    def sections(self) -> tuple[Section, ...]:
+        front, rear = self._struts()
+        body = {"bacc_cg": Mode(1.0 / self.mb, (1.0, 1.0)), "pitch_acc": Mode(1.0 / self.iyy, (-self.a, self.b))}
+        return (Section({("f",): front, ("r",): rear}, body),)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,6 +116,16 @@ class RollHalfCar(Vehicle):
             points={"cg": heave, **points},
             rotations={"roll_acc": roll},
             bars=[anti_roll_bar(corners["r"], corners["l"], self.arb)],
+        )
+
+    def sections(self) -> tuple[Section, ...]:
+        right, left = self._struts()
+        if not right.equals(left):
+            return ()
+        sides = ("r", "l")
+        return (
+            Section({sides: left}, {"bacc_cg": Mode(2.0 / self.mb, (1.0,))}),
+            Section({sides: left.with_bar(self.arb)}, {"roll_acc": Mode(2.0 / self.ixx, (self.c,))}),
         )
 
 

@@ -195,7 +195,7 @@ class SecondOrder:
     @cached_property
     def G(self) -> Array:
         """Static displacement ``K^-1 K_in`` under unit road heights."""
-        return np.asarray(np.linalg.solve(self.K, self.K_in), dtype=float)
+        return np.asarray(np.linalg.solve(self.K, self.K_in), dtype=self.K.dtype)
 
     @cached_property
     def on_position(self) -> Array:
@@ -222,7 +222,7 @@ class SecondOrder:
     def A(self) -> Array:
         """First-order matrix over (position, velocity)."""
         n = len(self.coordinates)
-        A = np.zeros((*self.K.shape[:-2], 2 * n, 2 * n))
+        A = np.zeros((*self.K.shape[:-2], 2 * n, 2 * n), dtype=np.result_type(self.m, self.K, self.C))
         A[..., :n, n:] = np.eye(n)
         A[..., n:, :n] = -self.minv * self.K
         A[..., n:, n:] = -self.minv * self.C
@@ -286,8 +286,9 @@ class SecondOrder:
 
 def _rows(motions: Sequence[Motion], names: Sequence[str]) -> Array:
     """Coefficients of each motion on each name, (designs..., motions, names)."""
-    shape = np.broadcast_shapes(*(np.shape(x) for motion in motions for x in motion.terms.values()))
-    rows = np.zeros((*shape, len(motions), len(names)))
+    coefficients = [np.asarray(x) for motion in motions for x in motion.terms.values()]
+    shape = np.broadcast_shapes(*(x.shape for x in coefficients))
+    rows = np.zeros((*shape, len(motions), len(names)), dtype=np.result_type(float, *coefficients))
     for i, motion in enumerate(motions):
         for name, coefficient in motion.terms.items():
             if name in names:
@@ -296,7 +297,7 @@ def _rows(motions: Sequence[Motion], names: Sequence[str]) -> Array:
 
 
 def _stack(values: Sequence[ArrayLike]) -> Array:
-    return np.stack(np.broadcast_arrays(*values), axis=-1).astype(float)
+    return np.stack(np.broadcast_arrays(*values), axis=-1)
 
 
 def _pad(matrix: Array, below: int = 0, right: int = 0) -> Array:

@@ -56,6 +56,8 @@ class Corners:
 def checked(value: Any, where: str, unit: str, zero: bool) -> Any:
     """Return ``value`` as float, float array or float DataArray, or say what is wrong with it.
 
+    The numbers of a lazy DataArray are not known yet: they are checked when its blocks are computed.
+
     Raises
     ------
     TypeError
@@ -64,6 +66,10 @@ def checked(value: Any, where: str, unit: str, zero: bool) -> Any:
         Empty, not finite, or below the bound.
     """
     need = f"must be {'>=' if zero else '>'} 0{f' {unit}' if unit else ''}"
+    if lazy(value):
+        return _checked_lazy(value, where, need)
+    if hasattr(value, "__dask_graph__") and not isinstance(value, xr.DataArray):
+        raise TypeError(f"{where} {need}, got a bare Dask array; wrap it in an xarray.DataArray, which names its dims")
     try:
         values = value.values if isinstance(value, xr.DataArray) else np.asarray(value)
     except ValueError:
@@ -84,10 +90,35 @@ def checked(value: Any, where: str, unit: str, zero: bool) -> Any:
         return float(values)
     if not isinstance(value, xr.DataArray):
         return values
+    _refuse_reserved(value, where)
+    return value.copy(data=values)
+
+
+def lazy(value: Any) -> bool:
+    """Whether a value is a DataArray of blocks that are computed later, as Dask's are."""
+    return isinstance(value, xr.DataArray) and value.chunks is not None
+
+
+def computed(value: Any) -> Any:
+    """A parameter with its values known."""
+    return value.compute() if lazy(value) else value
+
+
+def _checked_lazy(value: xr.DataArray, where: str, need: str) -> xr.DataArray:
+    if value.dtype.kind not in "iuf":
+        raise TypeError(f"{where} {need}, got a lazy DataArray of {value.dtype}; pass numbers")
+    if value.ndim == 0:
+        raise TypeError(f"{where} {need}, got one lazy number; pass its value, as .compute() returns it")
+    if value.size == 0:
+        raise ValueError(f"{where} {need}, got an empty array")
+    _refuse_reserved(value, where)
+    return value.astype(float)
+
+
+def _refuse_reserved(value: xr.DataArray, where: str) -> None:
     for dim in value.dims:
         if dim in RESERVED or not isinstance(dim, str):
             raise ValueError(f"{where} has a dim named {dim!r}, which results use themselves or cannot use; rename it")
-    return value.copy(data=values)
 
 
 def design_dims(ndim: int) -> tuple[str, ...]:
@@ -141,10 +172,14 @@ class Sweep:
             return value
         if self._template is None:
             return np.broadcast_to(value, self.shape).reshape(-1)
-        if isinstance(value, np.ndarray):
-            value = xr.DataArray(np.broadcast_to(value, self._plain), dims=design_dims(len(self._plain)))
-        values = value.broadcast_like(self._template).transpose(*self.dims).values
+        values = self.labelled(value).broadcast_like(self._template).transpose(*self.dims).values
         return values.reshape(-1)
+
+    def labelled(self, value: Any) -> xr.DataArray:
+        """An array parameter with its dims, whether plain or labelled already."""
+        if isinstance(value, xr.DataArray):
+            return value
+        return xr.DataArray(np.broadcast_to(value, self._plain), dims=design_dims(len(self._plain)))
 
     def unflatten(self, values: NDArray, dims: tuple[str, ...] = (), coords: dict | None = None) -> xr.DataArray:
         """Give results of shape (designs, ...) their labels."""

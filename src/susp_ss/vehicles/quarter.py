@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 from .linkage import Corner, Link, Linkage, coordinates, track
 from .parameters import parameter
+from .sections import Mode, Section
 from .vehicle import Vehicle, Wheel
 
 
@@ -95,3 +96,7 @@ class QuarterCar(Vehicle):
             corners={"": Corner(suspension, tyre)},
             points={"": body},
         )
+
+    def sections(self) -> tuple[Section, ...]:
+        (strut,) = self._struts()
+        return (Section({("",): strut}, {"bacc": Mode(1.0 / self.ms, (1.0,))}),)

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .linkage import Linkage, SecondOrder, signal
-from .parameters import Corners, Sweep, checked
+from .parameters import Corners, Sweep, checked, computed, lazy
+from .sections import Section, Strut
 
 if TYPE_CHECKING:
     import control
@@ -69,6 +70,13 @@ class Vehicle:
     def _linkage(self) -> Linkage:
         raise NotImplementedError
 
+    def sections(self) -> tuple[Section, ...]:
+        """The mean of left and right, then half their difference; none where the two sides differ."""
+        return ()
+
+    def _struts(self) -> tuple[Strut, ...]:
+        return tuple(map(Strut, *(self._at_corners(name) for name in Strut._fields)))
+
     @property
     def wheelbase(self) -> Any:
         """Distance between the axles in m; 0 for a vehicle with one."""
@@ -83,27 +91,31 @@ class Vehicle:
         """The designs that this vehicle's parameters span."""
         return Sweep.over(self._leaves(), type(self).__name__)
 
+    @property
+    def lazy(self) -> bool:
+        """Whether some parameter's values are computed later."""
+        return any(map(lazy, self._leaves()))
+
     def flattened(self, sweep: Sweep) -> Self:
-        """The same designs in one row: every parameter a number, or an array over the designs."""
-        names = [field.name for field in dataclasses.fields(self)]
-        return self._map(names, sweep.flat)
+        """The same designs in one row: every parameter a number, or an array over the designs; lazy ones computed."""
+        known = dataclasses.replace(self.mapped(computed)) if self.lazy else self
+        return known.mapped(sweep.flat)
 
-    def designs(self, chosen: slice) -> Self:
+    def designs(self, chosen: slice | NDArray[np.int_]) -> Self:
         """Some of the designs of a flattened vehicle."""
-        names = [field.name for field in dataclasses.fields(self)]
-        return self._map(names, lambda x: x[chosen] if isinstance(x, np.ndarray) else x)
+        return self.mapped(lambda x: x[chosen] if isinstance(x, np.ndarray) else x)
 
-    def _map(self, names: list[str], function: Any) -> Self:
+    def mapped(self, function: Any) -> Self:
+        """The same vehicle with a function applied to every parameter value, unchecked."""
         values: dict[str, Any] = {}
-        for name in names:
-            value = getattr(self, name)
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
             if isinstance(value, Corners):
-                values[name] = Corners(**{k: function(getattr(value, k)) for k in Corners.__dataclass_fields__})
+                values[field.name] = Corners(**{k: function(getattr(value, k)) for k in Corners.__dataclass_fields__})
             elif isinstance(value, tuple):
-                values[name] = tuple(function(part) for part in value)
+                values[field.name] = tuple(function(part) for part in value)
             else:
-                values[name] = function(value)
-        # The parts were checked when this vehicle was made.
+                values[field.name] = function(value)
         mapped = object.__new__(type(self))
         for name, value in values.items():
             object.__setattr__(mapped, name, value)

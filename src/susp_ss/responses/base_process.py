@@ -1,0 +1,326 @@
+"""The exact variances of a symmetric section from one scalar process: polynomials in ``s``, no matrices.
+
+A section (`susp_ss.vehicles.sections`) has one or two struts, each with suspension ``kappa = ks + cs s``, tyre
+``T = kt + ct s`` and wheel ``E = T + mu s^2``, joined by the body's compliance ``u_ij`` (acceleration over strut i per
+unit force of strut j). With ``Q_i = s^2 (E_i + kappa_i) + u_ii kappa_i E_i`` the road's velocities w deflect them by
+
+    d_1 = s [T_1 Q_2 w_1 - u_12 E_1 kappa_2 T_2 w_2] / D,    D = Q_1 Q_2 - u_12^2 kappa_1 kappa_2 E_1 E_2,
+
+and d_2 likewise; one strut alone by ``d = s T w / Q``. Let ``D xi = w``: every variance is a fixed combination of the
+derivatives of xi's autocorrelation r at 0 and, with a wheelbase delay, at tau.
+
+- At 0, ``D(d/dt) r = 0`` and the symmetry of r leave a Hurwitz system, solved by Routh's elimination (`routh`).
+- At tau they follow from ``D(d/dt) r = 0`` in between: ``r(t + tau) = [e^(s tau) mod D] r(t)``, the remainder of a
+  power series, squared up from a short step (`delay_operator`).
+- A first-order colour of the road (its cut-off, the coherence of isotropic tracks) lengthens D by one factor, and
+  leaves an exponential that crosses the delay on its own.
+
+A body that only rolls has one mode, which makes ``D = s^2 D~``: a road that differs between front and rear warps it.
+Deflections then hold the integral of ``xi = w / D~`` over the delay; minus r integrated twice is its autocorrelation.
+
+Polynomials are arrays of rows, the coefficients of 1, s, s^2, ..., with one column a design. The road's spectrum is
+``static - sum weights omega^2 / (alphas^2 + omega^2)``: what cancels at low frequency never enters.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# The short step of a delay has |s h| <= 1, where the series is exact to rounding after 1 / 19!.
+SERIES_TERMS = 19
+
+# A colour as close as this to a real pole is moved by as much: what that changes is what rounding would.
+COINCIDENT = 1e-8
+
+
+def product(p: Array, q: Array) -> Array:
+    """``p(s) q(s)``."""
+    out = np.zeros((len(p) + len(q) - 1, p.shape[1]))
+    for i in range(len(p)):
+        out[i : i + len(q)] += p[i] * q
+    return out
+
+
+def plus(p: Array, q: Array, shift: int = 0) -> Array:
+    """``p(s) + s^shift q(s)``."""
+    out = np.zeros((max(len(p), len(q) + shift), p.shape[1]))
+    out[: len(p)] = p
+    out[shift : shift + len(q)] += q
+    return out
+
+
+def reflected(p: Array) -> Array:
+    """``p(-s)``."""
+    out = p.copy()
+    out[1::2] *= -1.0
+    return out
+
+
+def modulus(p: Array) -> Array:
+    """``p(s) p(-s)`` as a polynomial in s^2."""
+    even, odd = p[0::2], p[1::2]
+    out = product(even, even)
+    return plus(out, -product(odd, odd), 1)
+
+
+def applied(p: Array, derivatives: Array) -> Array:
+    """``p(d/dt)`` of a function whose derivatives are the rows; those beyond the last count as zero."""
+    n = min(len(p), len(derivatives))
+    return np.asarray((p[:n] * derivatives[:n]).sum(axis=0))
+
+
+def value(p: Array, s: Array) -> Array:
+    """``p(s)`` at real s (J, N), J a column of p."""
+    out = p[-1] + 0.0 * s
+    for i in range(len(p) - 2, -1, -1):
+        out = out * s + p[i]
+    return out
+
+
+def routh(D: Array, density: Array) -> Array:
+    """Even derivatives ``r(0), r''(0), ..., r^(2n-2)(0)`` of the autocorrelation of ``D xi = w``.
+
+    D of degree n has its roots in the open left half plane, and w the two-sided spectral density given. With
+    ``L[p] = p(d/dt) r`` at 0 the system is ``L[s^k D] = 0`` for k < n - 1, of which only even parts count, and a jump
+    in the last. Eliminating leading coefficients in turn leaves one new derivative in each row.
+    """
+    n = len(D) - 1
+    table, right = np.zeros((n + 1, n // 2 + 1, D.shape[1])), np.zeros((n + 1, D.shape[1]))
+    for j in range(n + 1):
+        table[j % 2, j // 2] = D[n - j]
+    right[1] = -((-1.0) ** n) * density / (2.0 * D[n])
+    for i in range(1, n):
+        factor = table[i - 1, 0] / table[i, 0]
+        length = (n - i - 1) // 2 + 1
+        table[i + 1, :length] = table[i - 1, 1 : length + 1]
+        shared = (n - i) // 2
+        table[i + 1, :shared] -= factor * table[i, 1 : shared + 1]
+        right[i + 1] = -factor * right[i]
+    derivatives = np.zeros((n, D.shape[1]))
+    for e in range(n):
+        row, rest = table[n - e], right[n - e].copy()
+        for j in range(1, e // 2 + 1):
+            rest -= row[j] * derivatives[e - j]
+        derivatives[e] = rest / row[0]
+    return derivatives
+
+
+def delay_operator(D: Array, tau: Array, squarings: int) -> Array:
+    """``e^(s tau) mod D`` for monic D: the series over ``tau / 2^squarings``, squared up."""
+    n = len(D) - 1
+    low, h = D[:n], tau / 2.0**squarings
+    term, total = np.zeros((n, D.shape[1])), np.zeros((n, D.shape[1]))
+    total[0] = 1.0
+    for k in range(1, n):
+        total[k] = total[k - 1] * (h / k)
+    term[n - 1] = total[n - 1]
+    for k in range(n, SERIES_TERMS):
+        top = term[n - 1] * (h / k)
+        term[1:] = term[: n - 1] * (h / k)
+        term[0] = 0.0
+        term -= top * low
+        total += term
+    for _ in range(squarings):
+        square = np.zeros((2 * n - 1, D.shape[1]))
+        for i in range(n):
+            square[2 * i] += total[i] * total[i]
+            square[2 * i + 1 : i + n] += (2.0 * total[i]) * total[i + 1 :]
+        for i in range(2 * n - 2, n - 1, -1):
+            square[i - n : i] -= square[i] * low
+        total = square[:n].copy()
+    return total
+
+
+def apart(D: Array, alphas: Array) -> Array:
+    """Rates of colours (J, N), none of which sits on a real pole ``-alpha`` of D."""
+    near = np.abs(value(reflected(D), alphas)) < COINCIDENT * value(np.abs(D), alphas)
+    return np.where(near, alphas * (1.0 + COINCIDENT), alphas)
+
+
+def start(D: Array, static: float, alphas: Array, weights: Array) -> Array:
+    """Even derivatives of r at 0 for monic D, from intensity ``static`` and high-passes of ``-weights``."""
+    n, N, J = len(D) - 1, D.shape[1], len(alphas)
+    out = np.zeros((n, N))
+    if static > 0.0:
+        out += routh(D, np.full(N, static))
+    if J > 0:
+        # A high-pass is minus its low-pass differentiated twice, over alpha^2; all colours in one go.
+        longer, density = np.zeros((n + 2, J * N)), np.zeros(J * N)
+        for j in range(J):
+            longer[:, j * N : (j + 1) * N] = plus(D, D / alphas[j], 1)
+            density[j * N : (j + 1) * N] = weights[j] / alphas[j] ** 2
+        each = routh(longer, density)
+        for j in range(J):
+            out += each[1:, j * N : (j + 1) * N]
+    return out
+
+
+def carried(
+    A: Array, now: Array, g: Array, alphas: Array, rolls: bool, tau: Array, steps: int, squarings: int
+) -> Array:
+    """Derivatives 0 to 14 at tau of a function with ``A(d/dt)`` zero, apart from exponentials ``g e^(-alpha t)``.
+
+    A is monic of degree 8 and ``now`` holds the even derivatives at 0, of order 0 to 12; the odd ones are zero. Where
+    the body rolls, the exponentials come without value and slope at 0.
+    """
+    n, first = 8, 2 if rolls else 0
+    free, later = np.zeros((2 * n - 1, A.shape[1])), np.zeros((2 * n - 1, A.shape[1]))
+    free[0:13:2] = now
+    left = g * alphas**first
+    for k in range(first, 13):
+        free[k] -= left.sum(axis=0)
+        left = -alphas * left
+    for k in range(13, 15):
+        free[k] = -applied(A[:n], free[k - n : k])
+    operator = delay_operator(A, tau / steps, squarings)
+    for _ in range(steps):
+        for k in range(n):
+            later[k] = applied(operator, free[k : k + n])
+        for k in range(n, 15):
+            later[k] = -applied(A[:n], later[k - n : k])
+        free[:] = later
+    past = alphas * tau
+    if rolls:
+        later[0] += (g * (np.expm1(-past) + past)).sum(axis=0)
+        later[1] -= (g * alphas * np.expm1(-past)).sum(axis=0)
+    left = g * alphas**first * np.exp(-past)
+    for k in range(first, 15):
+        later[k] += left.sum(axis=0)
+        left = -alphas * left
+    return later
+
+
+def one_strut(strut: Array, compliance: Array, static: float, alphas: Array, weights: Array) -> Array:
+    """Variances (4, N) of strut force, deflection, its rate, and tyre load, where one strut alone carries the body.
+
+    Parameters
+    ----------
+    strut : ndarray, (5, N)
+        ``mu, ks, cs, kt, ct``.
+    compliance : ndarray, (N,)
+    static : float
+        Two-sided velocity spectrum at zero frequency.
+    alphas, weights : ndarray, (J, N)
+        Colours: the spectrum is ``static - sum weights omega^2 / (alphas^2 + omega^2)``.
+    """
+    m, k, c = strut[0], strut[1], strut[2]
+    kappa, T, E = strut[1:3], strut[3:5], wheel(strut)
+    D = plus(compliance * product(kappa, E), plus(E, kappa), 2)
+    lead = D[-1].copy()
+    now = -start(D / lead, static, apart(D, alphas), weights)[1:]
+    P = modulus(T) / lead**2
+    d, rate, jerk = applied(P, now), -applied(P, now[1:]), applied(P, now[2:])
+    F = k**2 * d + c**2 * rate
+    own = 1.0 + m * compliance
+    out = np.zeros((4, strut.shape[1]))
+    out[0], out[1], out[2] = F, d, rate
+    out[3] = own**2 * F - 2.0 * own * m * k * rate + m**2 * jerk
+    return out
+
+
+def two_struts(
+    struts: Array, compliance: Array, rigidity: Array, rolls: bool, damped: bool,
+    static: float, alphas: Array, weights: Array, tau: Array, steps: int, squarings: int,
+) -> Array:  # fmt: skip
+    """Variances (9, N) where two struts carry the body and the second meets the road a delay after the first.
+
+    Parameters
+    ----------
+    struts : ndarray, (2, 5, N)
+        ``mu, ks, cs, kt, ct`` of each.
+    compliance : ndarray, (2, 2, N)
+    rigidity : ndarray, (N,)
+        ``u_11 u_22 - u_12^2``.
+    rolls : bool
+        Whether the body has one mode, so that the rigidity is zero.
+    damped : bool
+        Whether any tyre has damping.
+    static, alphas, weights
+        The road, as in `one_strut`.
+    tau : ndarray, (N,)
+    steps, squarings : int
+        In which the delay is walked, and halvings of each; no step when both struts meet the road at once.
+
+    Returns
+    -------
+    ndarray, (9, N)
+        Strut forces ``E[F_1^2], E[F_2^2], E[F_1 F_2]``, deflections, their rates, and tyre loads of each.
+    """
+    u11, u22, u12 = compliance[0, 0], compliance[1, 1], compliance[0, 1]
+    m1, k1, c1 = struts[0, 0], struts[0, 1], struts[0, 2]
+    m2, k2, c2 = struts[1, 0], struts[1, 1], struts[1, 2]
+    tyre = 5 if damped else 4
+    kappa1, T1, E1 = struts[0, 1:3], struts[0, 3:tyre], wheel(struts[0])
+    kappa2, T2, E2 = struts[1, 1:3], struts[1, 3:tyre], wheel(struts[1])
+    G1, H1, G2, H2 = plus(E1, kappa1), product(kappa1, E1), plus(E2, kappa2), product(kappa2, E2)
+    Q1, Q2 = plus(u11 * H1, G1, 2), plus(u22 * H2, G2, 2)
+
+    # D / s^2 but for the rigidity's share, which a rolling body does not have.
+    D = plus(u11 * product(H1, G2) + u22 * product(H2, G1), product(G1, G2), 2)
+    if not rolls:
+        D = plus(rigidity * product(H1, H2), D, 2)
+    lead = D[-1].copy()
+    D = D / lead
+    rates = apart(D, alphas)
+    r = start(D, static, rates, weights)
+    # Deflections are polynomials in xi', or in the integral of xi where the body rolls: of autocorrelation R.
+    zero = np.zeros((7, D.shape[1]))
+    if rolls:
+        zero[1:7] = -r
+    else:
+        zero[:] = -r[1:]
+
+    a1, b1 = product(T1, Q2), -u12 * product(T2, product(E1, kappa2))
+    a2, b2 = product(T2, Q1), -u12 * product(T1, product(E2, kappa1))
+    own = np.zeros((2, 3, D.shape[1]))
+    cross = np.zeros((4, D.shape[1]))
+    if steps == 0:
+        a1, a2 = plus(a1, b1), plus(a2, b2)
+        P1, P2, P12 = modulus(a1), modulus(a2), product(a1, reflected(a2))
+    else:
+        P1, P2 = plus(modulus(a1), modulus(b1)), plus(modulus(a2), modulus(b2))
+        P12 = plus(product(a1, reflected(b2)), product(b1, reflected(a2)))
+    for k in range(3):
+        own[0, k], own[1, k] = applied(P1, zero[k:]), applied(P2, zero[k:])
+    for k in range(4):
+        cross[k] = applied(P12[k % 2 :: 2], zero[(k + 1) // 2 :])
+    if steps > 0:
+        gone = -0.5 * weights / (value(D, rates) * value(reflected(D), rates))
+        A = plus(np.zeros((1, D.shape[1])), D, 2) if rolls else D
+        g = gone / rates if rolls else gone * rates**3
+        later = carried(A, zero, g, rates, rolls, tau, steps, squarings)
+        P1, P2 = 2.0 * product(a1, reflected(b1)), 2.0 * product(b2, reflected(a2))
+        ahead, behind = product(a1, reflected(a2)), product(reflected(b1), b2)
+        for k in range(3):
+            own[0, k] += applied(P1, later[2 * k :])
+            own[1, k] += applied(P2, later[2 * k :])
+        for k in range(4):
+            cross[k] += applied(ahead, later[k:]) + (-1.0) ** k * applied(behind, later[k:])
+    own, cross = own / lead**2, cross / lead**2
+
+    d1, rate1, jerk1 = own[0, 0], -own[0, 1], own[0, 2]
+    d2, rate2, jerk2 = own[1, 0], -own[1, 1], own[1, 2]
+    F1, F2 = k1**2 * d1 + c1**2 * rate1, k2**2 * d2 + c2**2 * rate2
+    F12 = k1 * k2 * cross[0] - c1 * c2 * cross[2] + (c1 * k2 - k1 * c2) * cross[1]
+    out = np.zeros((9, D.shape[1]))
+    out[0], out[1], out[2] = F1, F2, F12
+    out[3], out[4], out[5], out[6] = d1, d2, rate1, rate2
+    # Tyre load F + m (u_ii F + u_ij F_j + d''): the wheel accelerates with the body point and along the deflection.
+    s1, t1, s2, t2 = 1.0 + m1 * u11, m1 * u12, 1.0 + m2 * u22, m2 * u12
+    out[7] = s1**2 * F1 + t1**2 * F2 + m1**2 * jerk1 + 2.0 * (
+        s1 * t1 * F12 - s1 * m1 * k1 * rate1 + t1 * m1 * (k2 * cross[2] - c2 * cross[3])
+    )  # fmt: skip
+    out[8] = s2**2 * F2 + t2**2 * F1 + m2**2 * jerk2 + 2.0 * (
+        s2 * t2 * F12 - s2 * m2 * k2 * rate2 + t2 * m2 * (k1 * cross[2] + c1 * cross[3])
+    )  # fmt: skip
+    return out
+
+
+def wheel(strut: Array) -> Array:
+    """``E = kt + ct s + m s^2``."""
+    E = np.zeros((3, strut.shape[1]))
+    E[:2], E[2] = strut[3:5], strut[0]
+    return E

@@ -1,0 +1,113 @@
+"""The variances of all outputs of all designs, each by the fastest exact way that it admits.
+
+- Designs whose left and right sides are alike take the base process (`symmetric`), a block of them at a time: a
+  microsecond or two each.
+- The rest, and those that would lose digits there, take the Lyapunov equation of their matrices: in batches
+  (`covariance`), some hundred microseconds each, or once they are very many design by design in compiled code on every
+  processor (`compiled`), some tens of microseconds.
+
+The choice shows in nothing but time: all agree to their last three or four digits.
+"""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..roads import Road
+from ..vehicles import Vehicle
+from .covariance import BATCH, batches, lost_digits, moments, refuse_waviness
+from .excitation import delay, infinite_outputs, processes, refuse_unbounded, refuse_undamped
+from .spectrum import spectrum
+from .symmetric import symmetric_variances
+
+Array = NDArray[np.float64]
+
+# Relative error of a variance beyond which it is refused, and the error of a sound solution: a variance no larger than
+# that, relative to its terms, is zero by symmetry.
+LOST, SOUND = 1e-6, 1e-12
+
+# Designs of one block: its polynomials then stay near the processor.
+BLOCK = 2048
+
+# Designs by matrices from which loading the compiler, a second or at first ten, is repaid.
+MANY = 50_000
+
+
+def covariance_variances(vehicle: Vehicle, road: Road) -> Array:
+    """Variances (designs, outputs) of all outputs of all designs; `inf` where the road's white velocity reaches one."""
+    refuse_waviness(road)
+    sweep = vehicle.sweep()
+    flat = vehicle.flattened(sweep)
+    outputs = flat.designs(slice(0, 1)).assemble().outputs
+    variances = np.empty((len(outputs), sweep.size))
+    left = np.zeros(sweep.size, dtype=bool)
+    for first in range(0, sweep.size, BLOCK):
+        block = slice(first, min(first + BLOCK, sweep.size))
+        variances[:, block], left[block] = symmetric_variances(flat.designs(block), road, outputs, block.stop - first)
+    by_matrices = np.flatnonzero(left)
+    if len(by_matrices) >= MANY:
+        by_matrices = _compiled(vehicle, flat, road, by_matrices, variances)
+    for chosen in batches(by_matrices, BATCH):
+        model, X, error, infinite = moments(vehicle, flat, road, chosen, LOST)
+        Y = model.velocity_form()[2]
+        variance = np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
+        terms = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0))) ** 2
+        values, lost = _sound(variance, terms, error, infinite)
+        if lost.any():
+            raise lost_digits(vehicle, int(chosen[np.argmax(lost)]))
+        variances[:, chosen] = values.T
+    return variances.T
+
+
+def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
+    """Variances (N, outputs) with zeros and infinities in place, and which designs (N,) lost digits of some."""
+    noise = error[:, None] * terms
+    zero = (variance <= 10.0 * np.maximum(noise, np.finfo(float).eps * terms)) & (error < SOUND)[:, None]
+    lost = np.any(~zero & ~infinite & ~(noise <= LOST * variance), axis=-1)
+    return np.where(infinite, np.inf, np.where(zero, 0.0, variance)), lost
+
+
+def _compiled(
+    vehicle: Vehicle, flat: Vehicle, road: Road, designs: NDArray[np.int_], variances: Array
+) -> NDArray[np.int_]:
+    """Fill in the variances (outputs, N) of some designs on every processor; return those that lost digits."""
+    from . import compiled
+
+    excited = processes(flat, road)
+    now, later = np.stack([process.now for process in excited]), np.stack([process.later for process in excited])
+
+    def solve(chosen: NDArray[np.int_]) -> NDArray[np.int_]:
+        some, N = flat.designs(chosen), len(chosen)
+
+        def each(x: Any, *shape: int) -> Array:
+            # A copy in memory order each time: one signature, compiled once.
+            return np.array(np.broadcast_to(x, (N, *shape)), dtype=float, order="C")
+
+        model = some.assemble()
+        refuse_undamped(vehicle, model)
+        refuse_unbounded(vehicle, road, model.warp)
+        matrices = model.K, model.C, model.K_in, model.C_in, model.velocity_form()[2]
+        parts = [spectrum(road, process, each(some.track_width)) for process in excited]
+        variance, terms, error = compiled.variances(
+            each(model.m, model.m.shape[-1]),
+            *(each(x, *x.shape[-2:]) for x in matrices),
+            np.zeros(now.shape[1]) if model.warp is None else model.warp,
+            now,
+            later,
+            np.array([part.white for part in parts]),
+            np.array([part.alphas for part in parts]),
+            np.array([np.broadcast_to(part.weights, part.alphas.shape) for part in parts]),
+            each(delay(some, road)),
+        )
+        with np.errstate(all="ignore"):
+            values, lost = _sound(variance, terms, error, infinite_outputs(model, excited, road))
+        variances[:, chosen] = values.T
+        return chosen[lost]
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return np.concatenate(list(pool.map(solve, batches(designs, BATCH))))

@@ -1,0 +1,528 @@
+"""Sweeps into a store: whatever dies on the way, the finished store is the one of an undisturbed run, byte for byte."""
+
+import dataclasses
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+import zarr
+from distributed import LocalCluster
+
+import susp_ss as ss
+import susp_ss.sweep
+from susp_ss.cli import main
+from susp_ss.sweep import Swept, sweep
+from susp_ss.vehicles.files import MODELS
+
+ROAD = ss.Road.iso8608("B", speed=20.0)
+AXES = {"ks": np.linspace(12e3, 25e3, 8), "cs": np.linspace(800.0, 2200.0, 5)}
+
+# Of the eight springs two fit into a chunk.
+CHUNKS = 4
+
+
+@pytest.fixture(autouse=True)
+def few_designs(monkeypatch):
+    """Chunks small enough for tests."""
+    monkeypatch.setitem(susp_ss.sweep.MOST_DESIGNS, "covariance", 12)
+
+
+@pytest.fixture
+def store(tmp_path):
+    return tmp_path / "out.zarr"
+
+
+def files(store):
+    """Every file of a store and what it holds."""
+    return {str(path.relative_to(store)): path.read_bytes() for path in store.rglob("*") if path.is_file()}
+
+
+@pytest.fixture
+def undisturbed(tmp_path):
+    """The files of a sweep that nothing disturbs."""
+
+    def swept(vehicle=ss.QuarterCar(), axes=AXES):  # noqa: B008
+        sweep(vehicle, ROAD, axes, tmp_path / "undisturbed.zarr")
+        return files(tmp_path / "undisturbed.zarr")
+
+    return swept
+
+
+def expected(vehicle, axes, **options):
+    """The metrics in memory, all at once, on dims in the order of the axes."""
+    fields = {field.name: field.metadata for field in dataclasses.fields(vehicle)}
+    labelled = {}
+    for name, values in axes.items():
+        attrs = {"units": fields[name]["unit"], "long_name": fields[name]["meaning"]}
+        labelled[name] = xr.DataArray(values, {name: (name, values, attrs)})
+    return ss.ride_metrics(dataclasses.replace(vehicle, **labelled), ROAD, **options).transpose(*axes, ...)
+
+
+def same(opened, wanted):
+    xr.testing.assert_allclose(opened, wanted, rtol=1e-12, atol=0.0)
+    assert set(opened.variables) == set(wanted.variables)
+    for name, data in wanted.variables.items():
+        assert (opened[name].dims, opened[name].attrs) == (data.dims, data.attrs)
+        assert name in ("point", "corner") or opened[name].dtype == np.float64
+    assert opened.attrs == wanted.attrs
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_store_opens_as_the_metrics(model, store):
+    swept = sweep(MODELS[model](), ROAD, AXES, store)
+    assert swept == Swept(designs=40, chunks=CHUNKS, found=0, computed=40)
+    same(xr.open_zarr(store), expected(MODELS[model](), AXES))
+    assert zarr.open_group(store, mode="r").metadata.zarr_format == 3
+    assert sorted(path.name for path in store.parent.iterdir()) == ["out.zarr"]
+
+
+def test_axes_in_any_number_and_order(store):
+    car = ss.FullCar(cs=ss.Corners.axles(front=1400.0, rear=1700.0), kt=ss.Corners.axles(front=18e4, rear=2e5))
+    axes = {"ks": [15e3, 18e3, 21e3], "arb_rear": [0.0], "mb": [1200.0, 1100.0, 1300.0, 1400.0, 1250.0]}
+    assert sweep(car, ROAD, axes, store).chunks == 2
+    opened = xr.open_zarr(store)
+    same(opened, expected(car, {name: np.array(values) for name, values in axes.items()}))
+    assert opened.sws.dims == ("ks", "arb_rear", "mb", "corner")
+    assert opened.mb.attrs["units"] == "kg"
+
+
+def test_another_method(store):
+    axes = {"cs": np.array([1000.0, 2000.0])}
+    sweep(ss.QuarterCar(), ROAD, axes, store, "spectral")
+    same(xr.open_zarr(store), expected(ss.QuarterCar(), axes, method="spectral"))
+
+
+@pytest.mark.parametrize(
+    ("sizes", "most", "chunk"),
+    [
+        ({"ks": 1000, "cs": 1000}, 131072, {"ks": 125, "cs": 1000}),
+        ({"ks": 10, "cs": 10}, 131072, {"ks": 10, "cs": 10}),
+        ({"ks": 3, "mu": 7, "cs": 10**6}, 131072, {"ks": 1, "mu": 1, "cs": 125000}),
+        ({"ks": 9, "mu": 5, "cs": 4}, 8, {"ks": 1, "mu": 2, "cs": 4}),
+    ],
+)
+def test_chunks_are_even(sizes, most, chunk):
+    assert susp_ss.sweep._chunk(sizes, most) == chunk
+
+
+def test_regions_cover_every_design_once():
+    sizes, chunk = {"ks": 7, "mu": 5, "cs": 4}, {"ks": 2, "mu": 3, "cs": 4}
+    times = xr.DataArray(np.zeros(tuple(sizes.values())), dims=tuple(sizes))
+    for region in susp_ss.sweep._regions(sizes, chunk).values():
+        times[region] += 1.0
+    assert (times == 1.0).all()
+
+
+# --- What dies on the way ---------------------------------------------------------------------------------------------
+
+
+class Stop(Exception):
+    pass
+
+
+def stopping(patch, stop, n, after=()):
+    """Stop at the n-th chunk, when only the metrics named in ``after`` are written of it."""
+    write, chunks = susp_ss.sweep._write, []
+
+    def failing(path, region, metrics):
+        chunks.append(region)
+        if len(chunks) < n:
+            write(path, region, metrics)
+        else:
+            if after:
+                write(path, region, metrics[list(after)])
+            stop()
+
+    patch.setattr(susp_ss.sweep, "_write", failing)
+
+
+def raising(error):
+    def stop():
+        raise error
+
+    return stop
+
+
+PARTS = {"before it": (), "in its midst": ("bacc", "sws"), "before its mark": ("bacc", "sws", "dtl", "damper_power")}
+
+
+@pytest.mark.parametrize("after", PARTS.values(), ids=PARTS.keys())
+def test_only_unfinished_chunks_are_computed_again(after, store, undisturbed, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr("dask.system.CPU_COUNT", 1)
+        stopping(patch, raising(Stop()), 3, after)
+        with pytest.raises(Stop):
+            sweep(ss.QuarterCar(), ROAD, AXES, store)
+    assert zarr.open_group(store, path="sweep", mode="r")["done"][...].sum() == 2
+    metrics, sizes = susp_ss.sweep.block_metrics, []
+
+    def counted(block, *rest):
+        sizes.append(block.sizes["ks"] * block.sizes["cs"])
+        return metrics(block, *rest)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(susp_ss.sweep, "block_metrics", counted)
+        assert sweep(ss.QuarterCar(), ROAD, AXES, store) == Swept(designs=40, chunks=CHUNKS, found=2, computed=20)
+        assert sizes == [10, 10]
+        assert sweep(ss.QuarterCar(), ROAD, AXES, store) == Swept(designs=40, chunks=CHUNKS, found=4, computed=0)
+        assert sizes == [10, 10]
+    assert files(store) == undisturbed()
+
+
+def process(program, *arguments):
+    """Run the command in a process of its own, after a program and with chunks as small as here."""
+    preamble = (
+        "import os, resource, signal, sys, susp_ss.sweep\n"
+        "from susp_ss.cli import main\n"
+        "susp_ss.sweep.MOST_DESIGNS['covariance'] = 12\n"
+    )
+    command = [sys.executable, "-c", preamble + program + "main(sys.argv[1:])", "sweep", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+
+
+def stopped_by(stop, n, after=()):
+    """The program that sends a signal to its own process as `stopping` stops."""
+    return (
+        "write, chunks = susp_ss.sweep._write, []\n"
+        "def failing(path, region, metrics):\n"
+        "    chunks.append(region)\n"
+        f"    if len(chunks) != {n}:\n"
+        "        return write(path, region, metrics)\n"
+        f"    if {after}:\n"
+        f"        write(path, region, metrics[list({after})])\n"
+        f"    os.kill(os.getpid(), {int(stop)})\n"
+        "    write(path, region, metrics)\n"
+        "susp_ss.sweep._write = failing\n"
+    )
+
+
+LINE = ["--model", "quarter", "--ks", "12e3:25e3:8", "--cs", "800:2200:5", "--store"]
+
+
+@pytest.mark.parametrize("after", list(PARTS.values())[1:], ids=list(PARTS)[1:])
+def test_killed_process(after, store, undisturbed):
+    assert process(stopped_by(signal.SIGKILL, 3, after), *LINE, store).returncode == -signal.SIGKILL
+    assert 1 <= zarr.open_group(store, path="sweep", mode="r")["done"][...].sum() <= 3
+    resumed = process("", *LINE, store)
+    assert resumed.returncode == 0
+    assert "40 designs in 4 chunks" in resumed.stderr
+    assert "0 of them" not in resumed.stderr
+    left = [name for name in files(store) if name.endswith(".partial")]
+    assert {name: held for name, held in files(store).items() if name not in left} == undisturbed()
+
+
+def test_killed_while_the_store_is_laid_out(store, undisturbed):
+    program = "import zarr\nzarr.consolidate_metadata = lambda path: os.kill(os.getpid(), signal.SIGKILL)\n"
+    assert process(program, *LINE, store).returncode == -signal.SIGKILL
+    assert not store.exists()
+    assert process("", *LINE, store).returncode == 0
+    assert files(store) == undisturbed()
+
+
+def test_interrupted(store, undisturbed):
+    stopped = process(stopped_by(signal.SIGINT, 2), *LINE, store)
+    assert stopped.returncode == 130
+    (line,) = stopped.stderr.splitlines()
+    assert line.startswith(f"susp-ss: stopped: store {store}: ")
+    assert "of 4 chunks are unfinished; run the same sweep again to resume" in line
+    assert process("", *LINE, store).returncode == 0
+    assert files(store) == undisturbed()
+
+
+def test_a_disk_that_takes_no_more(store, undisturbed):
+    """Files of at most 60 bytes, once the store is laid out: no chunk fits in."""
+    limit = (
+        "lay_out = susp_ss.sweep._lay_out\n"
+        "def limited(*arguments):\n"
+        "    lay_out(*arguments)\n"
+        "    resource.setrlimit(resource.RLIMIT_FSIZE, (60, 60))\n"
+        "susp_ss.sweep._lay_out = limited\n"
+    )
+    full = process(limit, *LINE, store)
+    assert full.returncode == 2
+    assert full.stderr == (
+        f"susp-ss: error: store {store}: File too large; 4 of 4 chunks are unfinished; run the same sweep again to "
+        "resume\n"
+    )
+    assert process("", *LINE, store).returncode == 0
+    assert files(store) == undisturbed()
+
+
+@pytest.mark.parametrize("n", [1, 2, 4])
+def test_a_disk_that_fills_up(n, store, undisturbed, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr("dask.system.CPU_COUNT", 1)
+        stopping(patch, raising(OSError(28, "No space left on device")), n, ["bacc"])
+        said = f"out.zarr: No space left on device; {CHUNKS + 1 - n} of {CHUNKS} chunks are unfinished; .* to resume"
+        with pytest.raises(OSError, match=said):
+            sweep(ss.QuarterCar(), ROAD, AXES, store)
+    sweep(ss.QuarterCar(), ROAD, AXES, store)
+    assert files(store) == undisturbed()
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_may_not_be_written(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(PermissionError):
+        sweep(ss.QuarterCar(), ROAD, AXES, tmp_path / "out.zarr")
+
+
+# --- On a cluster -----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as running:
+        yield running
+
+
+def test_cluster_equals_threads(cluster, store, undisturbed):
+    axes = {**AXES, "mu": [40.0, 50.0]}
+    assert sweep(ss.QuarterCar(), ROAD, axes, store, scheduler=cluster.scheduler_address).computed == 80
+    assert files(store) == undisturbed(axes=axes)
+
+
+def test_killed_worker(cluster, store, undisturbed, monkeypatch):
+    """A worker dies as the second chunk comes in, and with it what it had computed."""
+    car, axes = ss.FullCar(kt=ss.Corners(fr=18e4, fl=19e4, rr=2e5, rl=21e4)), {"ks": np.linspace(12e3, 25e3, 600)}
+    before = {worker.pid for worker in cluster.workers.values()}
+    write, chunks = susp_ss.sweep._write, []
+
+    def killing(path, region, metrics):
+        chunks.append(region)
+        if len(chunks) == 2:
+            os.kill(min(before), signal.SIGKILL)
+        write(path, region, metrics)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(susp_ss.sweep, "_write", killing)
+        assert sweep(car, ROAD, axes, store, scheduler=cluster.scheduler_address).computed == 600
+    assert len(chunks) == 50
+    assert len({region["ks"].start for region in chunks}) == 50
+    assert files(store) == undisturbed(car, axes)
+
+
+def test_killed_process_of_a_cluster(cluster, store, undisturbed):
+    line = [*LINE, store, "--scheduler", cluster.scheduler_address]
+    assert process(stopped_by(signal.SIGKILL, 3, ("bacc",)), *line).returncode == -signal.SIGKILL
+    resumed = process("", *line)
+    assert resumed.returncode == 0
+    assert "40 designs in 4 chunks, 2 of them finished before; 20 designs computed" in resumed.stderr
+    assert files(store) == undisturbed()
+
+
+def test_refused_design_on_a_cluster(cluster, store):
+    with pytest.raises(ValueError, match=r"cs > 0 at every corner at \(ks=\d+.*, cs=0.0\)"):
+        sweep(ss.QuarterCar(), ROAD, {**AXES, "cs": [1e3, 0.0]}, store, scheduler=cluster.scheduler_address)
+    assert zarr.open_group(store, path="sweep", mode="r")["done"][...].sum() == 0
+
+
+def test_unreachable_scheduler(store, run, monkeypatch):
+    monkeypatch.setattr(susp_ss.sweep, "ANSWER", 1.0)
+    code, _, err = run("sweep", *LINE, store, "--scheduler", "tcp://127.0.0.1:9")
+    assert code == 2
+    assert err.splitlines()[-1] == (
+        "susp-ss: error: no Dask scheduler answers at 'tcp://127.0.0.1:9' within 1 s; start one with: dask scheduler"
+    )
+    assert not store.exists()
+
+
+def test_scheduler_without_workers(store, monkeypatch):
+    monkeypatch.setattr(susp_ss.sweep, "WORKER", 0.2)
+    with (
+        LocalCluster(n_workers=0, dashboard_address=":0") as idle,
+        pytest.raises(ConnectionError, match="has no worker; start one with: dask worker tcp://"),
+    ):
+        sweep(ss.QuarterCar(), ROAD, AXES, store, scheduler=idle.scheduler_address)
+    assert not store.exists()
+
+
+# --- What is refused --------------------------------------------------------------------------------------------------
+
+
+OTHERS = {
+    "model": ((ss.RigidTyreQuarterCar(), ROAD, AXES), "model is quarter there and rigid-tyre here"),
+    "parameter": ((ss.QuarterCar(mu=50.0), ROAD, AXES), "parameter mu is .*45.4.* there and .*50.0.* here"),
+    "road": ((ss.QuarterCar(), ss.Road(speed=30.0), AXES), "road speed is 20.0 there and 30.0 here"),
+    "wheels": ((ss.QuarterCar(), ss.Road(delay=False), AXES), "road delay is True there and False here"),
+    "nodes": (
+        (ss.QuarterCar(), ROAD, {**AXES, "cs": [1e3, 2e3]}),
+        "axis cs is 5 nodes from 800.0 to 2200.0 .* there and 2 nodes from 1000.0 to 2000.0",
+    ),
+    "a node": ((ss.QuarterCar(), ROAD, {**AXES, "cs": AXES["cs"] ** 1.0 + [0, 1, 0, 0, 0]}), "axis cs is 5 nodes"),
+    "order": ((ss.QuarterCar(), ROAD, dict(reversed(AXES.items()))), "axes is ks, cs there and cs, ks here"),
+    "method": ((ss.QuarterCar(), ROAD, AXES, "spectral"), "method is covariance there and spectral here"),
+}
+
+
+@pytest.mark.parametrize(("other", "said"), OTHERS.values(), ids=OTHERS.keys())
+def test_a_store_of_another_sweep(other, said, store):
+    car, road, axes, *method = other
+    sweep(ss.QuarterCar(), ROAD, AXES, store)
+    before = files(store)
+    with pytest.raises(ValueError, match=f"out.zarr is of another sweep: .*{said}"):
+        sweep(car, road, axes, store, *method)
+    assert files(store) == before
+
+
+def test_a_store_of_another_version(store, monkeypatch):
+    sweep(ss.QuarterCar(), ROAD, AXES, store)
+    with monkeypatch.context() as patch:
+        patch.setattr(susp_ss.sweep, "__version__", "9.0")
+        with pytest.raises(ValueError, match=r"susp_ss is 0.1.0 there and 9.0 here"):
+            sweep(ss.QuarterCar(), ROAD, AXES, store)
+    path = store / "sweep" / "zarr.json"
+    held = json.loads(path.read_text())
+    held["attributes"] |= {"store version": 2, "susp_ss": "9.0"}
+    path.write_text(json.dumps(held))
+    with pytest.raises(ValueError, match=r"has version 2, and this susp_ss .* reads version 1; use the susp_ss 9.0"):
+        sweep(ss.QuarterCar(), ROAD, AXES, store)
+
+
+def test_what_is_no_store(tmp_path):
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "file").write_text("mine")
+    xr.Dataset({"mine": ("x", [1.0])}).to_zarr(tmp_path / "other.zarr", zarr_format=3, consolidated=False)
+    before = files(tmp_path)
+    for name in ("file", "folder", "other.zarr"):
+        with pytest.raises(ValueError, match=f"{name} exists and is not a store of a sweep; pass another name"):
+            sweep(ss.QuarterCar(), ROAD, AXES, tmp_path / name)
+    assert files(tmp_path) == before
+
+
+WRONG = {
+    "no axes": ((ss.QuarterCar(), ROAD, {}), "axes must name at least one parameter, available: ms, mu, ks"),
+    "unknown axis": ((ss.QuarterCar(), ROAD, {"arb": [1.0]}), "no parameter named 'arb', available: ms, mu, ks"),
+    "a grid": ((ss.QuarterCar(), ROAD, {"ks": np.ones((2, 2))}), r"axes\['ks'\] must be a row of different numbers"),
+    "text": ((ss.QuarterCar(), ROAD, {"ks": ["a"]}), r"axes\['ks'\] must be a row"),
+    "twice the same": ((ss.QuarterCar(), ROAD, {"ks": [1e4, 1e4]}), r"axes\['ks'\] must be a row of different"),
+    "empty": ((ss.QuarterCar(), ROAD, {"ks": []}), "got an empty array"),
+    "negative": ((ss.QuarterCar(), ROAD, {"ks": [1e4, -1.0]}), r"QuarterCar\(ks=...\) must be > 0 N/m, got -1.0"),
+    "array": ((ss.QuarterCar(mu=np.array([4.0, 5.0])), ROAD, AXES), r"QuarterCar\(mu=...\) .* a number, or an axis"),
+    "waviness": ((ss.QuarterCar(), ss.Road(waviness=2.5), AXES), "waviness 2"),
+    "method": ((ss.QuarterCar(), ROAD, AXES, "time"), "method of a sweep must be one of covariance, spectral"),
+    "no vehicle": (("full", ROAD, AXES), "vehicle must be"),
+}
+
+
+@pytest.mark.parametrize(("arguments", "said"), WRONG.values(), ids=WRONG.keys())
+def test_refused_before_anything_is_written(arguments, said, store):
+    car, road, axes, *method = arguments
+    with pytest.raises((TypeError, ValueError), match=said):
+        sweep(car, road, axes, store, *method)
+    assert list(store.parent.iterdir()) == []
+
+
+def test_refused_design(store):
+    """The other designs of its chunk are not marked; those of other chunks may be."""
+    axes = {"ks": AXES["ks"], "cs": [1e3, 2e3, 3e3, 4e3, 0.0]}
+    with pytest.raises(ValueError, match=r"cs > 0 at every corner at \(ks=\d+.*, cs=0.0\)"):
+        sweep(ss.QuarterCar(), ROAD, axes, store)
+    assert zarr.open_group(store, path="sweep", mode="r")["done"][...].sum() == 0
+
+
+# --- The command line -------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def run(capsys):
+    """Run a command line; return exit code, stdout and stderr."""
+
+    def ran(*arguments):
+        with pytest.raises(SystemExit) as end:
+            main(list(map(str, arguments)))
+        captured = capsys.readouterr()
+        return end.value.code, captured.out, captured.err
+
+    return ran
+
+
+def test_command_equals_the_library(run, store, undisturbed):
+    code, out, err = run("sweep", *LINE, store)
+    assert (code, out) == (0, "")
+    assert "40 designs in 4 chunks, 0 of them finished before; 40 designs computed" in err
+    assert files(store) == undisturbed()
+    code, out, err = run("sweep", *LINE, store)
+    assert (code, err) == (0, f"{store}: 40 designs in 4 chunks, 4 of them finished before\n")
+
+
+def test_command_with_files_and_more(run, tmp_path):
+    (tmp_path / "car.toml").write_text('model = "full"\n[parameters]\nmb = { value = 1.2, unit = "t" }\n')
+    car = [
+        "--vehicle",
+        tmp_path / "car.toml",
+        "--ks",
+        "2e4",
+        "--mu",
+        "50",
+        "--tracks",
+        "isotropic",
+        "--road-class",
+        "C",
+    ]
+    more = ["--more", "arb_front=0:1e4:2", "--more", "a=1:1:1"]
+    code, _, _ = run("sweep", *car, "--cs", "900:1500:3", *more, "--store", tmp_path / "out.zarr")
+    assert code == 0
+    opened = xr.open_zarr(tmp_path / "out.zarr")
+    assert opened.bacc.dims == ("cs", "arb_front", "a", "point")
+    one = ss.FullCar(mb=1200.0, ks=2e4, mu=50.0, cs=1200.0, arb_front=1e4, a=1.0)
+    metrics = ss.ride_metrics(one, ss.Road.iso8608("C", tracks="isotropic"))
+    xr.testing.assert_allclose(opened.sel(cs=1200.0, arb_front=1e4, a=1.0, drop=True), metrics, rtol=1e-12)
+
+
+REFUSED = {
+    "no range": ("--ks 2e4", "nothing to sweep", "LO:HI:N"),
+    "nothing": ("", "nothing to sweep"),
+    "two parts": ("--ks 1:2", "--ks must be LO:HI:N", "'1:2'"),
+    "text": ("--ks a:b:3", "--ks must be a number", "'a'"),
+    "text for a number": ("--ks soft", "--ks must be a number", "'soft'"),
+    "half a node": ("--ks 1:2:2.5", "--ks must be LO:HI:N with a whole number N"),
+    "no node": ("--ks 1:2:0", "--ks: N must be >= 1"),
+    "downwards": ("--cs 2000:1000:5", "--cs: LO must be below HI"),
+    "one value twice": ("--cs 2000:2000:5", "--cs: LO must be below HI"),
+    "endless": ("--cs 2000:inf:5", "--cs must be a number", "'inf'"),
+    "unknown": ("--more kx=1:2:3", "--more kx: FullCar has no parameter 'kx', available: mb, ixx"),
+    "of another model": ("--model quarter --more mb=1:2:3", "QuarterCar has no parameter 'mb', available: ms, mu"),
+    "no equals": ("--more mb", "--more must be PARAM=LO:HI:N", "'mb'"),
+    "twice": ("--ks 1:2:3 --more ks=1:2:3", "--more ks: ks is given twice"),
+    "negative": ("--ks=-1:2:3", "FullCar(ks=...) must be > 0 N/m, got -1.0"),
+    "a file": ("--ks 1e4:2e4:3 --store bad", "store bad exists and is not a store of a sweep"),
+    "in a file": ("--ks 1e4:2e4:3 --store bad/out", "bad"),
+    "unknown method": ("--ks 1e4:2e4:3 --method time", "covariance, spectral"),
+}
+
+
+@pytest.mark.parametrize(("line", "named"), [(row[0], row[1:]) for row in REFUSED.values()], ids=REFUSED.keys())
+def test_refused_in_one_line(line, named, run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad").write_text("mine")
+    code, out, err = run("sweep", *([] if "--store" in line else ["--store", "out.zarr"]), *line.split())
+    assert (code, out) == (2, "")
+    assert err.startswith("susp-ss: error: ")
+    assert err.count("\n") == 1
+    for part in named:
+        assert part in err
+    assert [path.name for path in tmp_path.iterdir()] == ["bad"]
+
+
+@pytest.mark.parametrize("library", ["dask.array", "zarr", "distributed"])
+def test_a_missing_library_names_the_extra(library, run, store, monkeypatch):
+    monkeypatch.setitem(sys.modules, library, None)
+    code, _, err = run("sweep", *LINE, store, "--scheduler", "tcp://127.0.0.1:9")
+    assert (code, err) == (
+        2,
+        f"susp-ss: error: a sweep needs {library}, which is not installed; run pip install 'susp_ss[distributed]'\n",
+    )
+
+
+def test_progress_is_shown_on_stderr(store, capsys):
+    sweep(ss.QuarterCar(), ROAD, AXES, store, progress=True)
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "4/4" in captured.err
