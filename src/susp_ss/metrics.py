@@ -83,12 +83,12 @@ def ride_metrics(
         variances = {"covariance": covariance_variances, "spectral": spectral_variances}[method](vehicle, road)
     sweep = vehicle.sweep()
     flat = vehicle.flattened(sweep)
-    # Only for its names: the matrices of all designs would take far more memory than their metrics.
-    model = flat.designs(slice(0, 1)).assemble()
-    damping = np.stack(np.broadcast_arrays(*flat._at_corners("cs")), axis=-1)
+    model = vehicle.layout()
     corners = len(model.corners)
-    roots = np.sqrt(variances)
-    metrics = labelled_outputs(model, roots, damping * variances[:, -corners:], sweep, statistic="RMS")
+    damping = np.stack(np.broadcast_arrays(*flat._at_corners("cs"))).T
+    power = damping * variances[:, -corners:]
+    roots = np.sqrt(variances, out=variances)
+    metrics = labelled_outputs(model, roots, power, sweep, statistic="RMS")
     metrics.damper_power.attrs["long_name"] = f"mean {QUANTITIES['damper_power'][1]}"
     if method == "time":
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -54,8 +54,10 @@ def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks",
 
     Notes
     -----
-    The cost, beside evaluations of the metrics of a car with unequal corners, which take the same route: about two
-    for the first parameter and a quarter to a half for each further one, on any road.
+    One parameter costs a little more than one solution of the general covariance equation and each further one about
+    a third of that, at any speed: with four parameters 0.35 ms a full car on identical tracks and 0.6 ms on isotropic
+    ones. `ride_metrics` itself is called once, by whichever route is its fastest. A cut-off within 1e-6 of one
+    of the rates that stand for the coherence of isotropic tracks leaves five digits.
 
     Examples
     --------

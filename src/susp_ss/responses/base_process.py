@@ -24,6 +24,8 @@ Polynomials are arrays of rows, the coefficients of 1, s, s^2, ..., with one col
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -52,6 +54,11 @@ def plus(p: Array, q: Array, shift: int = 0) -> Array:
     return out
 
 
+def scaled(p: Array, factor: Array) -> Array:
+    """``factor p(s)``, a factor each design."""
+    return p * factor
+
+
 def reflected(p: Array) -> Array:
     """``p(-s)``."""
     out = p.copy()
@@ -59,17 +66,31 @@ def reflected(p: Array) -> Array:
     return out
 
 
+def every_other(p: Array, first: int) -> Array:
+    """The even (0) or odd (1) coefficients of p, as a polynomial in s^2."""
+    return p[first::2].copy()
+
+
 def modulus(p: Array) -> Array:
     """``p(s) p(-s)`` as a polynomial in s^2."""
-    even, odd = p[0::2], p[1::2]
-    out = product(even, even)
-    return plus(out, -product(odd, odd), 1)
+    even, odd = every_other(p, 0), every_other(p, 1)
+    return plus(product(even, even), scaled(product(odd, odd), -np.ones(p.shape[1])), 1)
 
 
 def applied(p: Array, derivatives: Array) -> Array:
     """``p(d/dt)`` of a function whose derivatives are the rows; those beyond the last count as zero."""
     n = min(len(p), len(derivatives))
     return np.asarray((p[:n] * derivatives[:n]).sum(axis=0))
+
+
+def decaying(g: Array, alphas: Array, first: int, count: int) -> Array:
+    """Derivatives of ``sum g e^(-alpha t)`` at 0, of orders first to count - 1; zeros before."""
+    out = np.zeros((count, g.shape[1]))
+    term = g * (-alphas) ** first
+    for k in range(first, count):
+        out[k] = term.sum(axis=0)
+        term = -alphas * term
+    return out
 
 
 def value(p: Array, s: Array) -> Array:
@@ -169,10 +190,7 @@ def carried(
     n, first = 8, 2 if rolls else 0
     free, later = np.zeros((2 * n - 1, A.shape[1])), np.zeros((2 * n - 1, A.shape[1]))
     free[0:13:2] = now
-    left = g * alphas**first
-    for k in range(first, 13):
-        free[k] -= left.sum(axis=0)
-        left = -alphas * left
+    free[:13] -= decaying(g, alphas, first, 13)
     for k in range(13, 15):
         free[k] = -applied(A[:n], free[k - n : k])
     operator = delay_operator(A, tau / steps, squarings)
@@ -183,14 +201,10 @@ def carried(
             later[k] = -applied(A[:n], later[k - n : k])
         free[:] = later
     past = alphas * tau
-    if rolls:
+    if rolls and len(alphas) > 0:
         later[0] += (g * (np.expm1(-past) + past)).sum(axis=0)
         later[1] -= (g * alphas * np.expm1(-past)).sum(axis=0)
-    left = g * alphas**first * np.exp(-past)
-    for k in range(first, 15):
-        later[k] += left.sum(axis=0)
-        left = -alphas * left
-    return later
+    return later + decaying(g * np.exp(-past), alphas, first, 15)
 
 
 def one_strut(strut: Array, compliance: Array, static: float, alphas: Array, weights: Array) -> Array:
@@ -208,10 +222,10 @@ def one_strut(strut: Array, compliance: Array, static: float, alphas: Array, wei
     """
     m, k, c = strut[0], strut[1], strut[2]
     kappa, T, E = strut[1:3], strut[3:5], wheel(strut)
-    D = plus(compliance * product(kappa, E), plus(E, kappa), 2)
-    lead = D[-1].copy()
-    now = -start(D / lead, static, apart(D, alphas), weights)[1:]
-    P = modulus(T) / lead**2
+    D = plus(scaled(product(kappa, E), compliance), plus(E, kappa), 2)
+    monic = 1.0 / D[-1]
+    now = -start(scaled(D, monic), static, apart(D, alphas), weights)[1:]
+    P = scaled(modulus(T), monic**2)
     d, rate, jerk = applied(P, now), -applied(P, now[1:]), applied(P, now[2:])
     F = k**2 * d + c**2 * rate
     own = 1.0 + m * compliance
@@ -250,33 +264,33 @@ def two_struts(
         Strut forces ``E[F_1^2], E[F_2^2], E[F_1 F_2]``, deflections, their rates, and tyre loads of each.
     """
     u11, u22, u12 = compliance[0, 0], compliance[1, 1], compliance[0, 1]
-    m1, k1, c1 = struts[0, 0], struts[0, 1], struts[0, 2]
-    m2, k2, c2 = struts[1, 0], struts[1, 1], struts[1, 2]
     tyre = 5 if damped else 4
     kappa1, T1, E1 = struts[0, 1:3], struts[0, 3:tyre], wheel(struts[0])
     kappa2, T2, E2 = struts[1, 1:3], struts[1, 3:tyre], wheel(struts[1])
     G1, H1, G2, H2 = plus(E1, kappa1), product(kappa1, E1), plus(E2, kappa2), product(kappa2, E2)
-    Q1, Q2 = plus(u11 * H1, G1, 2), plus(u22 * H2, G2, 2)
+    Q1, Q2 = plus(scaled(H1, u11), G1, 2), plus(scaled(H2, u22), G2, 2)
 
     # D / s^2 but for the rigidity's share, which a rolling body does not have.
-    D = plus(u11 * product(H1, G2) + u22 * product(H2, G1), product(G1, G2), 2)
+    D = plus(scaled(product(H1, G2), u11), scaled(product(H2, G1), u22))
+    D = plus(D, product(G1, G2), 2)
     if not rolls:
-        D = plus(rigidity * product(H1, H2), D, 2)
-    lead = D[-1].copy()
-    D = D / lead
+        D = plus(scaled(product(H1, H2), rigidity), D, 2)
+    monic = 1.0 / D[-1]
+    D = scaled(D, monic)
     rates = apart(D, alphas)
     r = start(D, static, rates, weights)
     # Deflections are polynomials in xi', or in the integral of xi where the body rolls: of autocorrelation R.
     zero = np.zeros((7, D.shape[1]))
     if rolls:
-        zero[1:7] = -r
+        zero[1:] -= r
     else:
-        zero[:] = -r[1:]
+        zero -= r[1:]
 
-    a1, b1 = product(T1, Q2), -u12 * product(T2, product(E1, kappa2))
-    a2, b2 = product(T2, Q1), -u12 * product(T1, product(E2, kappa1))
-    own = np.zeros((2, 3, D.shape[1]))
-    cross = np.zeros((4, D.shape[1]))
+    # Numerators of d_1 and d_2 (a of the strut's own road, b of the other's), over the leading coefficient of D.
+    T1, T2, across = scaled(T1, monic), scaled(T2, monic), -u12
+    a1, b1 = product(T1, Q2), scaled(product(T2, product(E1, kappa2)), across)
+    a2, b2 = product(T2, Q1), scaled(product(T1, product(E2, kappa1)), across)
+    own1, own2, cross = np.zeros((3, D.shape[1])), np.zeros((3, D.shape[1])), np.zeros((4, D.shape[1]))
     if steps == 0:
         a1, a2 = plus(a1, b1), plus(a2, b2)
         P1, P2, P12 = modulus(a1), modulus(a2), product(a1, reflected(a2))
@@ -284,39 +298,53 @@ def two_struts(
         P1, P2 = plus(modulus(a1), modulus(b1)), plus(modulus(a2), modulus(b2))
         P12 = plus(product(a1, reflected(b2)), product(b1, reflected(a2)))
     for k in range(3):
-        own[0, k], own[1, k] = applied(P1, zero[k:]), applied(P2, zero[k:])
+        own1[k], own2[k] = applied(P1, zero[k:]), applied(P2, zero[k:])
     for k in range(4):
-        cross[k] = applied(P12[k % 2 :: 2], zero[(k + 1) // 2 :])
+        cross[k] = applied(every_other(P12, k % 2), zero[(k + 1) // 2 :])
     if steps > 0:
         gone = -0.5 * weights / (value(D, rates) * value(reflected(D), rates))
         A = plus(np.zeros((1, D.shape[1])), D, 2) if rolls else D
         g = gone / rates if rolls else gone * rates**3
         later = carried(A, zero, g, rates, rolls, tau, steps, squarings)
-        P1, P2 = 2.0 * product(a1, reflected(b1)), 2.0 * product(b2, reflected(a2))
+        P1, P2 = product(a1, reflected(b1)), product(b2, reflected(a2))
         ahead, behind = product(a1, reflected(a2)), product(reflected(b1), b2)
         for k in range(3):
-            own[0, k] += applied(P1, later[2 * k :])
-            own[1, k] += applied(P2, later[2 * k :])
+            own1[k] += 2.0 * applied(P1, later[2 * k :])
+            own2[k] += 2.0 * applied(P2, later[2 * k :])
         for k in range(4):
             cross[k] += applied(ahead, later[k:]) + (-1.0) ** k * applied(behind, later[k:])
-    own, cross = own / lead**2, cross / lead**2
+    return read_off(struts, compliance, own1, own2, cross)
 
-    d1, rate1, jerk1 = own[0, 0], -own[0, 1], own[0, 2]
-    d2, rate2, jerk2 = own[1, 0], -own[1, 1], own[1, 2]
-    F1, F2 = k1**2 * d1 + c1**2 * rate1, k2**2 * d2 + c2**2 * rate2
-    F12 = k1 * k2 * cross[0] - c1 * c2 * cross[2] + (c1 * k2 - k1 * c2) * cross[1]
-    out = np.zeros((9, D.shape[1]))
-    out[0], out[1], out[2] = F1, F2, F12
-    out[3], out[4], out[5], out[6] = d1, d2, rate1, rate2
+
+def read_off(struts: Array, compliance: Array, own1: Array, own2: Array, cross: Array) -> Array:
+    """Rows of `two_struts`, for every design at once."""
+    return np.stack(
+        combined(
+            struts[0, 0], struts[0, 1], struts[0, 2], struts[1, 0], struts[1, 1], struts[1, 2],
+            compliance[0, 0], compliance[1, 1], compliance[0, 1],
+            own1[0], own1[1], own1[2], own2[0], own2[1], own2[2], cross[0], cross[1], cross[2], cross[3],
+        )
+    )  # fmt: skip
+
+
+def combined(
+    m1: Any, k1: Any, c1: Any, m2: Any, k2: Any, c2: Any, u11: Any, u22: Any, u12: Any,
+    d1: Any, bend1: Any, jerk1: Any, d2: Any, bend2: Any, jerk2: Any, x0: Any, x1: Any, x2: Any, x3: Any,
+) -> tuple[Any, ...]:  # fmt: skip
+    """Strut forces, deflections, rates and tyre loads of `two_struts`, element by element.
+
+    From derivatives of order 0, 2, 4 of each deflection's autocorrelation and 0 to 3 of ``E[d_1(t) d_2(0)]``.
+    """
+    rate1, rate2 = -bend1, -bend2
+    F1, F2 = k1 * k1 * d1 + c1 * c1 * rate1, k2 * k2 * d2 + c2 * c2 * rate2
+    F12 = k1 * k2 * x0 - c1 * c2 * x2 + (c1 * k2 - k1 * c2) * x1
     # Tyre load F + m (u_ii F + u_ij F_j + d''): the wheel accelerates with the body point and along the deflection.
     s1, t1, s2, t2 = 1.0 + m1 * u11, m1 * u12, 1.0 + m2 * u22, m2 * u12
-    out[7] = s1**2 * F1 + t1**2 * F2 + m1**2 * jerk1 + 2.0 * (
-        s1 * t1 * F12 - s1 * m1 * k1 * rate1 + t1 * m1 * (k2 * cross[2] - c2 * cross[3])
-    )  # fmt: skip
-    out[8] = s2**2 * F2 + t2**2 * F1 + m2**2 * jerk2 + 2.0 * (
-        s2 * t2 * F12 - s2 * m2 * k2 * rate2 + t2 * m2 * (k1 * cross[2] + c1 * cross[3])
-    )  # fmt: skip
-    return out
+    own1 = s1 * s1 * F1 + t1 * t1 * F2 + m1 * m1 * jerk1
+    own2 = s2 * s2 * F2 + t2 * t2 * F1 + m2 * m2 * jerk2
+    load1 = own1 + 2.0 * (s1 * t1 * F12 - s1 * m1 * k1 * rate1 + t1 * m1 * (k2 * x2 - c2 * x3))
+    load2 = own2 + 2.0 * (s2 * t2 * F12 - s2 * m2 * k2 * rate2 + t2 * m2 * (k1 * x2 + c1 * x3))
+    return F1, F2, F12, d1, d2, rate1, rate2, load1, load2
 
 
 def wheel(strut: Array) -> Array:

@@ -81,9 +81,13 @@ def propagate(K, C, tau, fastest, x):
         term[:] = x
         for k in range(1, TERMS + 1):
             apply(K, C, term, following)
+            size, change = 0.0, 0.0
             for i in range(len(x)):
                 term[i] = h / k * following[i]
                 x[i] += term[i]
+                change, size = change + abs(term[i]), size + abs(x[i])
+            if change < 1e-18 * size:
+                break
 
 
 @jit
@@ -237,11 +241,11 @@ def add_outer(Q, weight, x, y):
 def variances(m, K, C, K_in, C_in, Y, warp, now, later, white, alphas, weights, tau):
     """Variances (N, outputs) of N designs, the size of their terms, and the relative error of each solution.
 
-    Matrices are those of `SecondOrder`, stacked; ``Y`` (N, outputs, 2n or 2n + 1) reads the outputs off (p, v, warp).
+    Matrices are those of `SecondOrder`, stacked; ``Y`` (N, outputs, 2n + 1) reads the outputs off (p, v, warp).
     Processes have weights ``now`` and ``later`` (P, wheels), ``white`` (P,) and colours (P, N, J), as in `covariance`.
     """
     N, n = m.shape
-    wheels, states = K_in.shape[2], Y.shape[2]
+    wheels, states = K_in.shape[2], 2 * n + 1
     out, terms, errors = np.empty((N, Y.shape[1])), np.empty((N, Y.shape[1])), np.empty(N)
     root, k, c, X = np.empty(n), np.empty((n, n)), np.empty((n, n)), np.empty((2 * n + 1, 2 * n + 1))
     inputs, Q = np.empty((2 * n, wheels)), np.empty((2 * n, 2 * n))

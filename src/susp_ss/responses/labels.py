@@ -46,23 +46,32 @@ def labelled_outputs(
         Put in front of each long name.
     """
 
-    def variable(name: str, rows: NDArray[np.float64], dim: str, places: tuple[str, ...]) -> xr.DataArray:
-        labels = dict(coords or {})
-        if places == ("",) or not dim:
-            data = sweep.unflatten(rows[:, 0], dims, labels)
-        else:
-            data = sweep.unflatten(rows, (dim, *dims), {dim: list(places), **labels})
+    variables: dict[str, Any] = {}
+    labels: dict[str, Any] = {**sweep.coords, **(coords or {})}
+
+    def add(name: str, data: NDArray[np.float64], dim: str, places: tuple[str, ...]) -> None:
+        several = bool(dim) and places != ("",)
+        if several:
+            labels[dim] = list(places)
         units, meaning = QUANTITIES[name]
-        data.attrs = {"units": units, "long_name": f"{statistic} {meaning}".strip()}
-        return data
+        shaped = data if several else data[:, 0]
+        variables[name] = (
+            (*sweep.dims, *((dim,) if several else ()), *dims),
+            shaped.reshape((*sweep.shape, *shaped.shape[1:])),
+            {"units": units, "long_name": f"{statistic} {meaning}".strip()},
+        )
 
-    def rows(kind: str, places: tuple[str, ...]) -> NDArray[np.float64]:
-        return values[:, [model.outputs.index(signal(kind, place)) for place in places]]
+    def columns(kind: str, places: tuple[str, ...]) -> NDArray[np.float64]:
+        found = [model.outputs.index(signal(kind, place)) for place in places]
+        if found == list(range(found[0], found[-1] + 1)):
+            return values[:, found[0] : found[-1] + 1]
+        # Taken by rows of the transpose, which keeps one design after another in memory if they are.
+        return np.moveaxis(np.moveaxis(values, 1, 0)[found], 0, 1)
 
-    variables = {"bacc": variable("bacc", rows("bacc", model.points), "point", model.points)}
+    add("bacc", columns("bacc", model.points), "point", model.points)
     for kind in ("sws", "dtl"):
-        variables[kind] = variable(kind, rows(kind, model.corners), "corner", model.corners)
+        add(kind, columns(kind, model.corners), "corner", model.corners)
     for kind in model.rotations:
-        variables[kind] = variable(kind, rows(kind, ("",)), "", ())
-    variables["damper_power"] = variable("damper_power", power, "corner", model.corners)
-    return xr.Dataset(variables)
+        add(kind, columns(kind, ("",)), "", ())
+    add("damper_power", power, "corner", model.corners)
+    return xr.Dataset(variables, labels)

@@ -42,8 +42,11 @@ class Direction(NamedTuple):
 
 
 class Tangents(NamedTuple):
-    """Derivatives (P, N, outputs) of the variances, NaN where they are infinite or become so; where an output that is
-    zero by symmetry is so no more, (P, N, outputs); and the dampers (N, corners)."""
+    """What is known of P parameters' effects on N designs.
+
+    Derivatives (P, N, outputs) of the variances, NaN where they are infinite or become so; where an output that is zero
+    by symmetry ceases to be, (P, N, outputs); and the dampers (N, corners).
+    """
 
     variances: Array
     kinked: Array

@@ -36,6 +36,7 @@ BLOCK = 2048
 
 # Designs by matrices from which loading the compiler, a second or at first ten, is repaid.
 MANY = 50_000
+SHARE = 512
 
 
 def covariance_variances(vehicle: Vehicle, road: Road) -> Array:
@@ -43,7 +44,7 @@ def covariance_variances(vehicle: Vehicle, road: Road) -> Array:
     refuse_waviness(road)
     sweep = vehicle.sweep()
     flat = vehicle.flattened(sweep)
-    outputs = flat.designs(slice(0, 1)).assemble().outputs
+    outputs = vehicle.layout().outputs
     variances = np.empty((len(outputs), sweep.size))
     left = np.zeros(sweep.size, dtype=bool)
     for first in range(0, sweep.size, BLOCK):
@@ -91,7 +92,8 @@ def _compiled(
         model = some.assemble()
         refuse_undamped(vehicle, model)
         refuse_unbounded(vehicle, road, model.warp)
-        matrices = model.K, model.C, model.K_in, model.C_in, model.velocity_form()[2]
+        outputs = np.concatenate([model.on_position, model.on_velocity, model.on_warp[..., None]], axis=-1)
+        matrices = model.K, model.C, model.K_in, model.C_in, outputs
         parts = [spectrum(road, process, each(some.track_width)) for process in excited]
         variance, terms, error = compiled.variances(
             each(model.m, model.m.shape[-1]),
@@ -110,4 +112,4 @@ def _compiled(
         return chosen[lost]
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return np.concatenate(list(pool.map(solve, batches(designs, BATCH))))
+        return np.concatenate(list(pool.map(solve, batches(designs, SHARE))))

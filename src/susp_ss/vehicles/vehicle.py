@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
@@ -124,6 +125,12 @@ class Vehicle:
     def assemble(self) -> SecondOrder:
         """Matrices of the second-order model, stacked over the designs of a flattened vehicle."""
         return self._linkage().assemble()
+
+    @classmethod
+    @cache
+    def layout(cls) -> SecondOrder:
+        """The default vehicle, for the names that all of its kind share: coordinates, corners, points and outputs."""
+        return cls().assemble()
 
     def _single(self, what: str) -> SecondOrder:
         if any(not isinstance(leaf, float) for leaf in self._leaves()):
