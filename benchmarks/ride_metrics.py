@@ -1,188 +1,250 @@
 """Ride metrics side by side with what a user would pick instead: time a design, and the ratio to the covariance route.
 
-Every peer is given the assembled matrices for nothing. Lyapunov and eigenvalue peers compute what ours does (all
-outputs, wheelbase delay, identical tracks) but for checks and labels; the H2 norm is one output of one input without
-delay; the simulation is 20 s at 5 ms.
+Ours starts from parameters and ends with a labelled, checked Dataset. Every peer is given the assembled matrices for
+nothing and returns bare numbers: the Lyapunov and eigenvalue peers those that ours does (all outputs, wheelbase delay,
+identical tracks), `control.norm` one output of one input without delay, and the simulation 20 s at 5 ms.
 Writes a table and a plot under ``benchmarks/results``. Run with ``make bench``.
 """
 
 import os
-import platform
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property, partial
 from pathlib import Path
 from statistics import median
+from typing import NamedTuple
 
 import control
 import numpy as np
 import scipy.linalg
-from matplotlib.figure import Figure
+from report import markdown, plot, write
+from rich.console import Console
 
 import susp_ss as ss
 
 RESULTS = Path(__file__).parent / "results"
-ROAD = ss.Road(roughness=64e-6, speed=20.0)
-MODELS = {"quarter car": ss.QuarterCar, "pitch half car": ss.PitchHalfCar, "full car": ss.FullCar}
-SWEEPS = (1, 10, 100, 1000, 10_000)
-SECONDS_A_POINT = 2.0
-REPEATS = 5
 
-# Asserted on every run: our route beats these peers by at least so much on 1000 full cars.
-LEAST_RATIO = {"control.forced_response": 20.0, "control.norm": 1.5}
+CONTENDERS = {
+    "ours_covariance": "susp_ss covariance",
+    "batched_numpy_eig": "batched numpy.linalg.eig",
+    "loop_on_scipy_lyapunov": "loop on scipy Lyapunov",
+    "control_norm": "control.norm, one output",
+    "control_forced_response": "control.forced_response",
+    "ours_spectral": "susp_ss spectral",
+    "ours_time": "susp_ss time",
+}
+OURS, EIG, LYAPUNOV, NORM, *_ = CONTENDERS
+OWN = tuple(name for name in CONTENDERS if name.startswith("ours"))
+
+# Designs at once, ten times as many each, and how often each is timed after a warm-up.
+RUNS = {10**k: 5 for k in range(6)} | {10**6: 3, 10**7: 1}
+
+# Seconds that one run of another than our covariance route may take, judged by the run of a tenth as many designs.
+LONGEST = 3.0
+
+# Asserted on every run: these take at least so many times as long as ours on 1000 full cars.
+LEAST_RATIO = {EIG: 10.0, LYAPUNOV: 15.0, NORM: 50.0}
 
 
-def sweep(model, count):
-    rng = np.random.default_rng(count)
-    return model(ks=rng.uniform(12536, 24570, count), cs=rng.uniform(798, 2235, count))
+@dataclass(frozen=True)
+class Case:
+    """Vehicles of one kind that differ in springs and dampers, and who is timed on how many of them."""
+
+    name: str
+    model: type
+    contenders: tuple[str, ...] = tuple(CONTENDERS)
+    tracks: str = "identical"
+    alike: bool = True
+    largest: int = max(RUNS)
+
+    @property
+    def road(self):
+        return ss.Road(roughness=64e-6, speed=20.0, tracks=self.tracks)
+
+    @property
+    def degrees_of_freedom(self):
+        return len(self.model().assemble().coordinates)
+
+    def designs(self, count):
+        rng = np.random.default_rng(count)
+
+        def between(low, high):
+            if self.alike:
+                return rng.uniform(low, high, count)
+            return ss.Corners(**{corner: rng.uniform(low, high, count) for corner in self.model.wheels})
+
+        return self.model(ks=between(12536, 24570), cs=between(798, 2235))
 
 
-def delayed(A, B_front, B_rear, tau):
-    return np.outer(B_front, B_front) + np.outer(B_rear, B_rear) + symmetric(
-        np.outer(scipy.linalg.expm(A * tau) @ B_front, B_rear)
-    )  # fmt: skip
+PEERS = (OURS, EIG, LYAPUNOV)
+CASES = (
+    Case("rigid-tyre quarter car", ss.RigidTyreQuarterCar, PEERS, largest=10**5),
+    Case("quarter car", ss.QuarterCar),
+    Case("roll half car", ss.RollHalfCar, PEERS, largest=10**5),
+    Case("pitch half car", ss.PitchHalfCar),
+    Case("full car", ss.FullCar),
+    Case("full car, isotropic tracks", ss.FullCar, OWN, tracks="isotropic"),
+    Case("full car, four unequal corners", ss.FullCar, PEERS, alike=False, largest=10**5),
+)
+FULL_CAR = next(case for case in CASES if case.name == "full car")
 
 
 def symmetric(matrix):
     return matrix + np.swapaxes(matrix, -1, -2)
 
 
-class Peers:
-    """The same designs as plain matrices, and a peer a method."""
+class Race:
+    """The same designs for all, and a contender a method; peers may be asked for the first few outputs only."""
 
-    def __init__(self, model, count):
-        self.cars = sweep(model, count)
+    def __init__(self, case, count):
+        self.road, self.cars = case.road, case.designs(count)
+
+    def ours_covariance(self):
+        return ss.ride_metrics(self.cars, self.road)
+
+    def ours_spectral(self):
+        return ss.ride_metrics(self.cars, self.road, method="spectral")
+
+    def ours_time(self):
+        return ss.ride_metrics(self.cars, self.road, method="time", duration=20.0, step=0.005)
+
+    @cached_property
+    def matrices(self):
+        """``x' = A x + front w(t) + rear w(t - tau)``, ``y = Y x`` of all designs; without the warp, which is zero."""
         assembled = self.cars.assemble()
         A, B, Y, _ = assembled.velocity_form()
         n = 2 * len(assembled.coordinates)
-        self.A, self.Y = A[:, :n, :n], Y[:, :, :n]
-        rear = np.array([float(wheel.axle) for wheel in self.cars.wheels.values()])
-        self.front, self.rear = B[:, :n] @ (1.0 - rear), B[:, :n] @ rear
-        self.tau = float(self.cars.wheelbase) / ROAD.speed
+        behind = np.array([float(wheel.axle) for wheel in self.cars.wheels.values()])
+        A, B, Y = (np.broadcast_to(x, (self.cars.sweep().size, *x.shape[-2:])) for x in (A, B, Y))
+        return A[:, :n, :n], Y[:, :, :n], B[:, :n] @ (1.0 - behind), B[:, :n] @ behind
 
-    def ours_covariance(self):
-        ss.ride_metrics(self.cars, ROAD)
+    @property
+    def tau(self):
+        return float(self.cars.wheelbase) / self.road.speed
 
-    def ours_spectral(self):
-        ss.ride_metrics(self.cars, ROAD, method="spectral")
+    def loop_on_scipy_lyapunov(self, outputs=None):
+        rms = []
+        for A, Y, front, rear in zip(*self.matrices, strict=True):
+            Q = np.outer(front, front)
+            if self.tau:
+                carried = scipy.linalg.expm(A * self.tau) @ front
+                Q += np.outer(rear, rear) + symmetric(np.outer(carried, rear))
+            X = scipy.linalg.solve_continuous_lyapunov(A, -self.road.intensity * Q)
+            rms.append(np.sqrt(np.abs(np.einsum("oi,ij,oj->o", Y[:outputs], X, Y[:outputs]))))
+        return np.array(rms)
 
-    def ours_time(self):
-        ss.ride_metrics(self.cars, ROAD, method="time", duration=20.0, step=0.005)
-
-    def loop_on_scipy_lyapunov(self):
-        for A, Y, front, rear in zip(self.A, self.Y, self.front, self.rear, strict=True):
-            X = scipy.linalg.solve_continuous_lyapunov(A, -ROAD.intensity * delayed(A, front, rear, self.tau))
-            np.sqrt(np.abs(np.diag(Y @ X @ Y.T)))
-
-    def batched_numpy_eig(self):
-        eigenvalues, V = np.linalg.eig(self.A)
-        front, rear = (np.linalg.solve(V, b[..., None].astype(complex)) for b in (self.front, self.rear))
-        carried = np.exp(eigenvalues * self.tau)[..., None] * front
+    def batched_numpy_eig(self, outputs=None):
+        A, Y, *inputs = self.matrices
         T = np.swapaxes
-        Q = front @ T(front, 1, 2) + rear @ T(rear, 1, 2) + symmetric(carried @ T(rear, 1, 2))
-        X = -ROAD.intensity * Q / (eigenvalues[:, :, None] + eigenvalues[:, None, :])
-        Z = self.Y @ V
-        np.sqrt(np.abs(np.einsum("noi,nij,noj->no", Z, X, Z)))
+        eigenvalues, V = np.linalg.eig(A)
+        front, rear = (np.linalg.solve(V, b[..., None].astype(V.dtype)) for b in inputs)
+        Q = front @ T(front, 1, 2)
+        if self.tau:
+            carried = np.exp(eigenvalues * self.tau)[..., None] * front
+            Q = Q + rear @ T(rear, 1, 2) + symmetric(carried @ T(rear, 1, 2))
+        X = -self.road.intensity * Q / (eigenvalues[:, :, None] + eigenvalues[:, None, :])
+        Z = Y[:, :outputs] @ V
+        return np.sqrt(np.abs(np.sum((Z @ X) * Z, axis=-1)))
 
-    def control_norm(self):
-        for A, Y, front in zip(self.A, self.Y, self.front, strict=True):
-            control.norm(control.ss(A, front[:, None], Y[:1], 0.0), 2, method="scipy")
+    def control_norm(self, outputs=1):
+        intensity = np.sqrt(self.road.intensity)
+        return np.array(
+            [
+                [intensity * control.norm(control.ss(A, front[:, None], y[None], 0.0), 2) for y in Y[:outputs]]
+                for A, Y, front, _ in zip(*self.matrices, strict=True)
+            ]
+        )
 
     def control_forced_response(self):
         t = np.arange(0.0, 20.0, 0.005)
         w = np.random.default_rng(0).standard_normal((1, len(t)))
-        for A, Y, front in zip(self.A, self.Y, self.front, strict=True):
+        for A, Y, front, _ in zip(*self.matrices, strict=True):
             control.forced_response(control.ss(A, front[:, None], Y, np.zeros((len(Y), 1))), t, w)
 
 
-NAMES = {
-    "ours_covariance": "susp_ss covariance",
-    "batched_numpy_eig": "batched numpy.linalg.eig",
-    "loop_on_scipy_lyapunov": "loop on scipy Lyapunov",
-    "control_norm": "control.norm",
-    "control_forced_response": "control.forced_response",
-    "ours_spectral": "susp_ss spectral",
-    "ours_time": "susp_ss time",
-}
+def check_agreement(case):
+    """Refuse to time peers that compute something else than ours."""
+    race = Race(case, 3)
+    travel = [name.startswith("sws") for name in race.cars.assemble().outputs]
+    ours = race.ours_covariance().sws.to_numpy().reshape(3, -1)
+    for peer in set(case.contenders) & {EIG, LYAPUNOV}:
+        np.testing.assert_allclose(getattr(race, peer)()[:, travel], ours, rtol=1e-6, err_msg=f"{peer}, {case.name}")
 
 
-def timed(run):
-    run()
-    seconds = []
-    for _ in range(REPEATS):
+class Timing(NamedTuple):
+    """Seconds of the first call and the median of the next ones; of the only call if it is not repeated."""
+
+    first: float
+    median: float
+
+
+def timed(run: Callable, runs: int) -> Timing:
+    def seconds():
         start = time.perf_counter()
         run()
-        seconds.append(time.perf_counter() - start)
-    return median(seconds)
+        return time.perf_counter() - start
+
+    first = seconds()
+    return Timing(first, median(seconds() for _ in range(runs)) if runs > 1 else first)
 
 
-def measure():
-    """Median seconds a design by (model, peer, designs); a peer stops growing when a run takes too long."""
-    figures = {}
-    for model_name, model in MODELS.items():
-        done = set()
-        for count in SWEEPS:
-            peers = Peers(model, count)
-            for peer in NAMES:
-                if peer in done:
-                    continue
-                seconds = timed(getattr(peers, peer))
-                figures[model_name, peer, count] = seconds / count
-                if 10 * seconds > SECONDS_A_POINT:
-                    done.add(peer)
-    return figures
+def timings(case, say) -> Iterator[tuple[tuple[str, str, int], Timing]]:
+    """Time the contenders by (case, contender, designs); one that would take too long is not run on more designs."""
+    racing = list(case.contenders)
+    for count in (n for n in RUNS if n <= case.largest):
+        race = Race(case, count)
+        for contender in tuple(racing):
+            say(f"{case.name}: {count:,} designs, {CONTENDERS[contender]}")
+            if contender not in OWN:
+                race.matrices  # noqa: B018
+            timing = timed(getattr(race, contender), RUNS[count])
+            yield (case.name, contender, count), timing
+            if contender != OURS and 10 * timing.median > LONGEST:
+                racing.remove(contender)
 
 
-def at_most(figures, model, peer, count):
-    """The figure at the largest sweep measured up to ``count``."""
-    return figures[model, peer, max(n for m, p, n in figures if (m, p) == (model, peer) and n <= count)]
+def output_timings(say, count=100):
+    """Time the contenders on some full cars by (contender, outputs); ours gives all outputs at once."""
+    race = Race(FULL_CAR, count)
+    every = race.matrices[1].shape[1]
+    for peer in (EIG, LYAPUNOV, NORM):
+        for outputs in (1, every):
+            say(f"{count} full cars, outputs: {outputs}, {CONTENDERS[peer]}")
+            yield (peer, outputs), timed(partial(getattr(race, peer), outputs=outputs), 5)
+    yield (OURS, every), timed(race.ours_covariance, 5)
 
 
-def table(figures):
-    lines = [
-        "# Ride metrics: microseconds a design",
-        "",
-        f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, "
-        f"numpy {np.__version__}; median of {REPEATS} runs at the largest sweep measured up to 1000 designs, one BLAS "
-        "thread. In brackets: times ours.",
-        "",
-        "| | " + " | ".join(MODELS) + " |",
-        "|---" * (len(MODELS) + 1) + "|",
-    ]
-    for peer, name in NAMES.items():
-        cells = []
-        for model in MODELS:
-            own, other = (at_most(figures, model, p, 1000) for p in ("ours_covariance", peer))
-            cells.append(f"{1e6 * other:.3g}" + ("" if peer == "ours_covariance" else f" ({other / own:.2g})"))
-        lines.append(f"| {name} | " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
-
-
-def plot(figures):
-    figure = Figure(figsize=(9.0, 3.4), layout="constrained")
-    for axes, model in zip(figure.subplots(1, len(MODELS), sharey=True), MODELS, strict=True):
-        for peer, name in NAMES.items():
-            points = sorted((n, 1e6 * s) for (m, p, n), s in figures.items() if (m, p) == (model, peer))
-            axes.loglog(
-                *zip(*points, strict=True), marker=".", label=name, linewidth=2.5 if peer == "ours_covariance" else 1
-            )
-        axes.set(title=model, xlabel="designs at once")
-        axes.grid(linewidth=0.4)
-    figure.axes[0].set_ylabel("time a design (µs)")
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
-    return figure
+@contextmanager
+def progress():
+    console = Console(stderr=True)
+    with console.status("") as status:
+        yield status.update if console.is_terminal else lambda text: console.print(text, highlight=False)
 
 
 def main():
-    figures = measure()
-    text = table(figures)
+    load = os.getloadavg()[0]
+    start = time.perf_counter()
+    with progress() as say:
+        by_designs = {}
+        for case in CASES:
+            by_designs.update(timings(case, say))
+        for case in CASES:
+            check_agreement(case)
+        by_outputs = dict(output_timings(say))
+    took = time.perf_counter() - start
+    text = markdown(CASES, CONTENDERS, RUNS, by_designs, by_outputs, load, took)
+    write(RESULTS, text, plot(CASES, CONTENDERS, by_designs))
     print(text)
-    RESULTS.mkdir(exist_ok=True)
-    (RESULTS / "ride_metrics.md").write_text(text, encoding="utf-8")
-    plot(figures).savefig(RESULTS / "ride_metrics.png", dpi=120)
-    ours = at_most(figures, "full car", "ours_covariance", 1000)
-    for name, least in LEAST_RATIO.items():
-        ratio = at_most(figures, "full car", name.replace(".", "_"), 1000) / ours
+
+    ours = by_designs["full car", OURS, 1000].median
+    for peer, least in LEAST_RATIO.items():
+        ratio = by_designs["full car", peer, 1000].median / ours
         if ratio < least:
-            raise SystemExit(f"{name} takes only {ratio:.2g} times our covariance route, expected at least {least:g}")
+            raise SystemExit(
+                f"{CONTENDERS[peer]} takes {ratio:.2g} times as long as ours on 1000 full cars, not {least:g}"
+            )
 
 
 if __name__ == "__main__":

@@ -1,0 +1,155 @@
+"""Tables and plot of the benchmark."""
+
+import os
+import platform
+import tempfile
+from importlib.metadata import version
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+LIBRARIES = ("numpy", "scipy", "numba", "control")
+
+# Colours of Okabe and Ito, told apart with any colour vision, and a marker each.
+STYLES = (
+    ("#000000", "o"),
+    ("#E69F00", "s"),
+    ("#D55E00", "^"),
+    ("#CC79A7", "D"),
+    ("#009E73", "v"),
+    ("#56B4E9", "P"),
+    ("#0072B2", "X"),
+)
+
+
+def processor():
+    """Model of the processor as the system names it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    named = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return named[0] if named else platform.processor() or platform.machine()
+
+
+def digits(value, significant=3):
+    """A number with so many digits, never in powers of ten."""
+    return f"{float(f'{value:.{significant}g}'):,.10g}"
+
+
+def rows(header, body):
+    return ["| " + " | ".join(map(str, row)) + " |" for row in (header, ["---"] * len(header), *body)]
+
+
+def beside(seconds, ours, count):
+    """Microseconds a design, and the ratio to ours in brackets."""
+    return f"{digits(1e6 * seconds / count)} ({digits(seconds / ours, 2)})"
+
+
+def markdown(cases, names, runs, by_designs, by_outputs, load, took):
+    libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    ours = next(iter(names))
+    text = [
+        "# Ride metrics: microseconds a design",
+        "",
+        f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}, {libraries}. "
+        f"One run of {took:.0f} s; load average at its start {load:.1f} (of 0 when nothing else runs).",
+        "",
+        "In brackets: times ours for as many designs; below 1, the peer is faster. "
+        "Ours starts from parameters and ends with a checked, labelled Dataset of every metric at every point; peers "
+        "start from assembled matrices and end with bare arrays. "
+        "Each figure is the median of 5 runs after a warm-up, of 3 for 10^6 designs; 10^7 designs are run once. "
+        "A dash: not run, since one run would take more than some 3 s. "
+        "One BLAS thread; ours takes one processor, but all of them from 50,000 designs by matrices "
+        "(unequal corners, rigid tyre).",
+        "",
+    ]
+    for case in cases:
+        counts = [n for n in runs if n <= case.largest]
+        own = {n: by_designs[case.name, ours, n].median for n in counts}
+        body = [[f"**{names[ours]}**", *(f"**{digits(1e6 * own[n] / n)}**" for n in counts)]]
+        for contender in case.contenders[1:]:
+            found = (by_designs.get((case.name, contender, n)) for n in counts)
+            cells = (timing and beside(timing.median, own[n], n) for n, timing in zip(counts, found, strict=True))
+            body.append([names[contender], *(cell or "–" for cell in cells)])
+        body.append(["designs/s, ours", *(digits(n / own[n], 2) for n in counts)])
+        text += [f"## {case.name.capitalize()}", "", *rows(["designs at once", *(f"{n:,}" for n in counts)], body), ""]
+    text += degrees_of_freedom(cases, names, by_designs)
+    text += outputs(names, by_outputs)
+    text += first_calls(cases, ours, by_designs)
+    return "\n".join(text)
+
+
+def degrees_of_freedom(cases, names, by_designs):
+    ours, eig, lyapunov, *_ = names
+    body = []
+    for case in cases:
+        if {eig, lyapunov} <= set(case.contenders):
+            own = by_designs[case.name, ours, 1000].median
+            peers = (beside(by_designs[case.name, peer, 1000].median, own, 1000) for peer in (eig, lyapunov))
+            many = 1e6 * by_designs[case.name, ours, 10**5].median / 10**5
+            body.append([case.degrees_of_freedom, case.name, digits(1e3 * own), *peers, digits(many)])
+    header = ["degrees of freedom", "", *(names[n] for n in (ours, eig, lyapunov)), "ours, 100,000 designs"]
+    return ["## Against degrees of freedom, 1000 designs", "", *rows(header, body), ""]
+
+
+def outputs(names, by_outputs, count=100):
+    every = max(number for _, number in by_outputs)
+    ours = next(iter(names))
+    own = by_outputs[ours, every].median
+    body = [[f"**{names[ours]}**", "all come at once", f"**{digits(1e6 * own / count)}**"]]
+    for peer in dict.fromkeys(name for name, _ in by_outputs if name != ours):
+        cells = (beside(by_outputs[peer, number].median, own, count) for number in (1, every))
+        body.append([names[peer].partition(",")[0], *cells])
+    return [
+        f"## Against outputs, {count} full cars",
+        "",
+        *rows(["", "one output", f"all {every} outputs"], body),
+        "",
+    ]
+
+
+def first_calls(cases, ours, by_designs):
+    body = []
+    for case in cases:
+        for count in (1, 10**5):
+            timing = by_designs[case.name, ours, count]
+            body.append([case.name, f"{count:,}", digits(1e3 * timing.first), digits(1e3 * timing.median)])
+    return [
+        "## First calls of ours",
+        "",
+        "In the order of the run: the first of all also loads the modules, and the first of 100,000 rigid-tyre cars "
+        "the compiled code (compiles it, if no earlier run has).",
+        "",
+        *rows(["", "designs at once", "first call, ms", "later calls, ms"], body),
+        "",
+    ]
+
+
+def plot(cases, names, by_designs):
+    """Full cars by all contenders above; all vehicles by ours below."""
+    figure = Figure(figsize=(3.5, 6.2), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.25, 1.0))
+    ours = next(iter(names))
+
+    def line(axes, case, contender, style, width):
+        points = [(n, 1e6 * t.median / n) for (c, p, n), t in by_designs.items() if (c, p) == (case, contender)]
+        color, marker = style
+        axes.loglog(
+            *zip(*points, strict=True), color=color, marker=marker, markersize=4, linewidth=width, label=label(contender, case)
+        )
+        return points[-1]
+
+    ends = [line(above, "full car", name, style, 2.2 if name == ours else 1.1) for name, style in zip(names, STYLES)]
+    return figure
+
+
+def write(folder, text, figure):
+    """Replace the results, each as a whole."""
+    folder.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".bench-", dir=folder) as scratch:
+        table, image = Path(scratch, "ride_metrics.md"), Path(scratch, "ride_metrics.png")
+        table.write_text(text, encoding="utf-8")
+        figure.savefig(image, dpi=200)
+        for new in (table, image):
+            new.replace(folder / new.name)

@@ -1,0 +1,235 @@
+"""The base process compiled for very many designs: its primitives in loops over the designs, which run as vectors.
+
+`base_process` is compiled as it stands; only the primitives that its time goes into are written out here, each the same
+arithmetic as the one it replaces. Importing this loads the compiler: a second, and at first use on a machine some more.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+from numba.extending import overload, register_jitable
+
+from . import base_process
+
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
+
+
+@overload(base_process.product, jit_options=OPTIONS)
+def _product(p, q):
+    def product(p, q):
+        out = np.zeros((len(p) + len(q) - 1, p.shape[1]))
+        for i in range(len(p)):
+            for j in range(len(q)):
+                for N in range(p.shape[1]):
+                    out[i + j, N] += p[i, N] * q[j, N]
+        return out
+
+    return product
+
+
+@overload(base_process.plus, jit_options=OPTIONS)
+def _plus(p, q, shift=0):
+    def plus(p, q, shift=0):
+        out = np.zeros((max(len(p), len(q) + shift), p.shape[1]))
+        for i in range(len(p)):
+            for N in range(p.shape[1]):
+                out[i, N] = p[i, N]
+        for i in range(len(q)):
+            for N in range(p.shape[1]):
+                out[i + shift, N] += q[i, N]
+        return out
+
+    return plus
+
+
+@overload(base_process.scaled, jit_options=OPTIONS)
+def _scaled(p, factor):
+    def scaled(p, factor):
+        out = np.empty(p.shape)
+        for i in range(len(p)):
+            for N in range(p.shape[1]):
+                out[i, N] = p[i, N] * factor[N]
+        return out
+
+    return scaled
+
+
+@overload(base_process.reflected, jit_options=OPTIONS)
+def _reflected(p):
+    def reflected(p):
+        out = np.empty(p.shape)
+        for i in range(len(p)):
+            sign = 1.0 - 2.0 * (i % 2)
+            for N in range(p.shape[1]):
+                out[i, N] = sign * p[i, N]
+        return out
+
+    return reflected
+
+
+@overload(base_process.every_other, jit_options=OPTIONS)
+def _every_other(p, first):
+    def every_other(p, first):
+        out = np.empty(((len(p) - first + 1) // 2, p.shape[1]))
+        for i in range(len(out)):
+            for N in range(p.shape[1]):
+                out[i, N] = p[first + 2 * i, N]
+        return out
+
+    return every_other
+
+
+@overload(base_process.applied, jit_options=OPTIONS)
+def _applied(p, derivatives):
+    def applied(p, derivatives):
+        out = np.zeros(p.shape[1])
+        for i in range(min(len(p), len(derivatives))):
+            for N in range(p.shape[1]):
+                out[N] += p[i, N] * derivatives[i, N]
+        return out
+
+    return applied
+
+
+@overload(base_process.decaying, jit_options=OPTIONS)
+def _decaying(g, alphas, first, count):
+    def decaying(g, alphas, first, count):
+        out = np.zeros((count, g.shape[1]))
+        for j in range(len(g)):
+            for N in range(g.shape[1]):
+                term = g[j, N] * (1.0 if first == 0 else alphas[j, N] ** 2)
+                for k in range(first, count):
+                    out[k, N] += term
+                    term *= -alphas[j, N]
+        return out
+
+    return decaying
+
+
+@overload(base_process.value, jit_options=OPTIONS)
+def _value(p, s):
+    def value(p, s):
+        out = np.empty(s.shape)
+        for j in range(len(s)):
+            for N in range(s.shape[1]):
+                out[j, N] = p[-1, N]
+            for i in range(len(p) - 2, -1, -1):
+                for N in range(s.shape[1]):
+                    out[j, N] = out[j, N] * s[j, N] + p[i, N]
+        return out
+
+    return value
+
+
+@overload(base_process.routh, jit_options=OPTIONS)
+def _routh(D, density):
+    def routh(D, density):
+        n, designs = len(D) - 1, D.shape[1]
+        table, right = np.empty((n + 1, n // 2 + 1, designs)), np.empty((n + 1, designs))
+        derivatives, factor = np.empty((n, designs)), np.empty(designs)
+        sign = 2.0 * (n % 2) - 1.0
+        for N in range(designs):
+            right[1, N] = sign * density[N] / (2.0 * D[n, N])
+        for j in range(n + 1):
+            for N in range(designs):
+                table[j % 2, j // 2, N] = D[n - j, N]
+        for i in range(1, n):
+            for N in range(designs):
+                factor[N] = table[i - 1, 0, N] / table[i, 0, N]
+                right[i + 1, N] = -factor[N] * right[i, N]
+            shared = (n - i) // 2
+            for j in range((n - i - 1) // 2 + 1):
+                for N in range(designs):
+                    table[i + 1, j, N] = table[i - 1, j + 1, N]
+                if j < shared:
+                    for N in range(designs):
+                        table[i + 1, j, N] -= factor[N] * table[i, j + 1, N]
+        for e in range(n):
+            for N in range(designs):
+                derivatives[e, N] = right[n - e, N]
+            for j in range(1, e // 2 + 1):
+                for N in range(designs):
+                    derivatives[e, N] -= table[n - e, j, N] * derivatives[e - j, N]
+            for N in range(designs):
+                derivatives[e, N] /= table[n - e, 0, N]
+        return derivatives
+
+    return routh
+
+
+@overload(base_process.delay_operator, jit_options=OPTIONS)
+def _delay_operator(D, tau, squarings):
+    terms = base_process.SERIES_TERMS
+
+    def delay_operator(D, tau, squarings):
+        n, designs = len(D) - 1, D.shape[1]
+        total, term, square = np.zeros((n, designs)), np.zeros((n, designs)), np.empty((2 * n - 1, designs))
+        h, top = tau / 2.0**squarings, np.empty(designs)
+        for N in range(designs):
+            total[0, N] = 1.0
+        for k in range(1, n):
+            for N in range(designs):
+                total[k, N] = total[k - 1, N] * (h[N] / k)
+        term[n - 1] = total[n - 1]
+        for k in range(n, terms):
+            for N in range(designs):
+                top[N] = term[n - 1, N] * (h[N] / k)
+            for j in range(n - 1, 0, -1):
+                for N in range(designs):
+                    term[j, N] = term[j - 1, N] * (h[N] / k) - top[N] * D[j, N]
+                    total[j, N] += term[j, N]
+            for N in range(designs):
+                term[0, N] = -top[N] * D[0, N]
+                total[0, N] += term[0, N]
+        for _ in range(squarings):
+            square[:] = 0.0
+            for i in range(n):
+                for N in range(designs):
+                    square[2 * i, N] += total[i, N] * total[i, N]
+                for j in range(i + 1, n):
+                    for N in range(designs):
+                        square[i + j, N] += 2.0 * total[i, N] * total[j, N]
+            for i in range(2 * n - 2, n - 1, -1):
+                for j in range(n):
+                    for N in range(designs):
+                        square[i - n + j, N] -= square[i, N] * D[j, N]
+            total[:] = square[:n]
+        return total
+
+    return delay_operator
+
+
+@overload(base_process.read_off, jit_options=OPTIONS)
+def _read_off(struts, compliance, own1, own2, cross):
+    combined = register_jitable(**OPTIONS)(base_process.combined)
+
+    def read_off(struts, compliance, own1, own2, cross):
+        out = np.empty((9, own1.shape[1]))
+        for N in range(own1.shape[1]):
+            (
+                out[0, N], out[1, N], out[2, N], out[3, N], out[4, N], out[5, N], out[6, N], out[7, N], out[8, N]
+            ) = combined(
+                struts[0, 0, N], struts[0, 1, N], struts[0, 2, N], struts[1, 0, N], struts[1, 1, N], struts[1, 2, N],
+                compliance[0, 0, N], compliance[1, 1, N], compliance[0, 1, N],
+                own1[0, N], own1[1, N], own1[2, N], own2[0, N], own2[1, N], own2[2, N],
+                cross[0, N], cross[1, N], cross[2, N], cross[3, N],
+            )  # fmt: skip
+        return out
+
+    return read_off
+
+
+for function in (
+    base_process.modulus,
+    base_process.apart,
+    base_process.start,
+    base_process.carried,
+    base_process.wheel,
+):
+    register_jitable(**OPTIONS)(function)
+
+one_strut = numba.njit(base_process.one_strut, nogil=True, **OPTIONS)
+two_struts = numba.njit(base_process.two_struts, nogil=True, **OPTIONS)
