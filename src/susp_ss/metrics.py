@@ -77,10 +77,17 @@ def ride_metrics(
         raise ValueError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
     if vehicle.lazy:
         return _lazy_metrics(vehicle, road, {"method": method, "duration": duration, "step": step, "seed": seed})
+    return _metrics(vehicle, road, method, vehicle.sweep().size, duration=duration, step=step, seed=seed)
+
+
+def _metrics(vehicle: Vehicle, road: Road, method: str, designs: int, **record: Any) -> xr.Dataset:
+    """Metrics of a vehicle in memory, part of a sweep of so many designs; ``record`` is for time histories."""
     if method == "time":
-        variances, errors = time_variances(vehicle, road, duration, step, seed)
+        variances, errors = time_variances(vehicle, road, **record)
+    elif method == "spectral":
+        variances = spectral_variances(vehicle, road)
     else:
-        variances = {"covariance": covariance_variances, "spectral": spectral_variances}[method](vehicle, road)
+        variances = covariance_variances(vehicle, road, designs)
     sweep = vehicle.sweep()
     flat = vehicle.flattened(sweep)
     model = vehicle.layout()
@@ -123,7 +130,13 @@ def _lazy_metrics(vehicle: Vehicle, road: Road, how: dict[str, Any]) -> xr.Datas
     variables = {name: ((*sweep.dims, *like[name].dims), data, like[name].attrs) for name, data in blocks.items()}
     template = xr.Dataset(variables, {**sweep.coords, **like.coords})
     # Dask tells blocks apart by these arguments, not by what a closure would hold.
-    given = {"frame": frame, "road": road, "how": how, "dims": sweep.dims, "unlabelled": unlabelled}
+    given = {
+        "frame": frame,
+        "road": road,
+        "how": how | {"designs": sweep.size},
+        "dims": sweep.dims,
+        "unlabelled": unlabelled,
+    }
     return xr.map_blocks(_without_positions, arrays, kwargs=given, template=template)
 
 
@@ -161,7 +174,7 @@ def block_metrics(
     road : Road
         What the vehicles run over.
     how : dict
-        Further arguments of `ride_metrics`.
+        ``method`` and what goes with it, as in `ride_metrics`, and ``designs``, the number of all blocks together.
     dims : sequence of str
         Order of the result's dims, before those of the places.
 
@@ -173,7 +186,7 @@ def block_metrics(
 
     def metrics(designs: xr.Dataset) -> xr.Dataset:
         vehicle = frame.mapped(lambda leaf: designs[leaf] if isinstance(leaf, str) else leaf)
-        return ride_metrics(dataclasses.replace(vehicle), road, **how).transpose(*dims, ..., missing_dims="ignore")
+        return _metrics(dataclasses.replace(vehicle), road, **how).transpose(*dims, ..., missing_dims="ignore")
 
     try:
         return metrics(block)

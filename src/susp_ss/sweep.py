@@ -135,8 +135,10 @@ def sweep(
     chunk = _chunk(sizes, MOST_DESIGNS[method])
     regions = _regions(sizes, chunk)
 
+    how = {"method": method, "designs": math.prod(sizes.values())}
+
     def task(region: Mapping[str, slice]) -> Task:
-        return arrays.isel(region), frame, road, {"method": method}, tuple(axes)
+        return arrays.isel(region), frame, road, how, tuple(axes)
 
     path = Path(store)
     with _computing(scheduler) as compute:

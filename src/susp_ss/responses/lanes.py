@@ -14,6 +14,9 @@ from numba.extending import overload, register_jitable
 
 from . import base_process
 
+# Designs whose polynomials stay in the first caches.
+WIDTH = 256
+
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
@@ -228,8 +231,35 @@ for function in (
     base_process.start,
     base_process.carried,
     base_process.wheel,
+    base_process.one_strut,
+    base_process.two_struts,
 ):
     register_jitable(**OPTIONS)(function)
 
-one_strut = numba.njit(base_process.one_strut, nogil=True, **OPTIONS)
-two_struts = numba.njit(base_process.two_struts, nogil=True, **OPTIONS)
+
+@numba.njit(nogil=True, cache=True, **OPTIONS)
+def one_strut(strut, compliance, static, alphas, weights):
+    """`base_process.one_strut`, some designs at a time."""
+    designs = strut.shape[1]
+    out = np.empty((4, designs))
+    for N in range(0, designs, WIDTH):
+        end = min(N + WIDTH, designs)
+        out[:, N:end] = base_process.one_strut(
+            strut[:, N:end].copy(), compliance[N:end].copy(), static, alphas[:, N:end].copy(), weights[:, N:end].copy()
+        )
+    return out
+
+
+@numba.njit(nogil=True, cache=True, **OPTIONS)
+def two_struts(
+    struts, compliance, rigidity, rolls, damped, static, alphas, weights, tau, steps, squarings
+):  # fmt: skip
+    """`base_process.two_struts`, some designs at a time."""
+    designs = struts.shape[2]
+    out = np.empty((9, designs))
+    for N in range(0, designs, WIDTH):
+        end = min(N + WIDTH, designs)
+        body = compliance[:, :, N:end].copy(), rigidity[N:end].copy(), rolls
+        road = static, alphas[:, N:end].copy(), weights[:, N:end].copy(), tau[N:end].copy(), steps, squarings
+        out[:, N:end] = base_process.two_struts(struts[:, :, N:end].copy(), *body, damped, *road)
+    return out

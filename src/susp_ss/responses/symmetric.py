@@ -11,7 +11,8 @@ from ..roads import Road
 from ..vehicles import Vehicle
 from ..vehicles.linkage import signal
 from ..vehicles.sections import Section
-from .base_process import Array, one_strut, two_struts
+from . import base_process
+from .base_process import Array
 from .excitation import Process, delay, processes
 from .spectrum import spectrum
 
@@ -19,7 +20,7 @@ from .spectrum import spectrum
 REACH = 16.0
 
 # A delay of more steps than this (a walking pace) is left to matrices, which square their way through it.
-LONGEST_WALK = 64
+LONGEST_WALK = 256
 
 # An acceleration whose variance is at most the first share of its terms is zero by symmetry; up to the second, it may
 # have lost digits.
@@ -46,15 +47,15 @@ class Problem(NamedTuple):
     weights: Array
     tau: Array
 
-    def variances(self) -> dict[str, Array]:
-        """Variance (N,) of every output."""
+    def variances(self, kernels: Any) -> dict[str, Array]:
+        """Variance (N,) of every output, by the kernels of `base_process` or `lanes`."""
         road = self.static, self.alphas, self.weights
         if len(self.struts) == 1:
-            F, *rest = one_strut(self.struts[0], self.compliance[0, 0], *road)
+            F, *rest = kernels.one_strut(self.struts[0], self.compliance[0, 0], *road)
             force = [[F]]
         else:
             body = self.compliance, self.rigidity, len(self.body) == 1, bool(self.struts[:, 4].any())
-            F1, F2, F12, *rest = two_struts(self.struts, *body, *road, self.tau, *self.steps())
+            F1, F2, F12, *rest = kernels.two_struts(self.struts, *body, *road, self.tau, *self.steps())
             force = [[F1, F12], [F12, F2]]
 
         def acceleration(weights: Array) -> Array:
@@ -77,12 +78,17 @@ class Problem(NamedTuple):
             return 0, 0
         mu, ks, cs, kt, ct = np.moveaxis(self.struts, 1, 0)
 
-        def largest(spring: Array, tyre: Array) -> float:
-            at_body = np.einsum("ijn,jn->in", np.abs(self.compliance), 2.0 * spring)
-            return max(float(at_body.max()), float(((2.0 * spring + tyre) / mu).max()))
+        def bound(spring: Array, tyre: Array, unit: float) -> float:
+            """Largest row sum of the springs' matrix over the masses, the body's coordinates in this unit."""
+            at_body = np.einsum("ijn,jn->in", np.abs(self.compliance), (1.0 + 1.0 / unit) * spring)
+            return max(float(at_body.max()), float((((1.0 + unit) * spring + tyre) / mu).max()))
 
-        half = 0.5 * largest(cs, ct)
-        turns = (half + np.sqrt(half**2 + largest(ks, kt))) * float(self.tau.max())
+        def fastest(unit: float) -> float:
+            half = 0.5 * bound(cs, ct, unit)
+            return half + np.sqrt(half**2 + bound(ks, kt, unit))
+
+        # Any unit bounds the roots; a small one does so tightly where the wheels are faster than the body.
+        turns = min(fastest(1.0), fastest(0.25)) * float(self.tau.max())
         steps = int(np.ceil(turns / REACH))
         return steps, max(0, int(np.ceil(np.log2(turns / steps))))
 
@@ -150,7 +156,7 @@ def _problem(section: Section, road: Road, process: Process, tau: Array, width: 
 
 
 def symmetric_variances(
-    vehicle: Vehicle, road: Road, outputs: tuple[str, ...], N: int
+    vehicle: Vehicle, road: Road, outputs: tuple[str, ...], N: int, kernels: Any = base_process
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Variances (outputs, N) of N designs, and which of them (N,) are left to matrices.
 
@@ -161,10 +167,10 @@ def symmetric_variances(
     with np.errstate(all="ignore"):
         if not parts or any(part.undamped() or part.steps()[0] > LONGEST_WALK for part in parts):
             return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)
-        variances = _total(parts, outputs)
+        variances = _total(parts, outputs, kernels)
         if not any(part.extreme() for part in parts):
-            return variances, np.isnan(variances).any(axis=0)
-        other = _total([part.in_other_units() for part in parts], outputs)
+            return variances, np.logical_or.reduce(np.isnan(variances))
+        other = _total([part.in_other_units() for part in parts], outputs, kernels)
     acceleration, force = OTHER_TIME**-4.0, OTHER_MASS**2 * OTHER_TIME**-4.0
     units = {"sws": 1.0, "dtl": force, "dsws": OTHER_TIME**-2.0}
     other /= np.array([units.get(name.split("_")[0], acceleration) for name in outputs])[:, None]
@@ -172,9 +178,9 @@ def symmetric_variances(
     return variances, np.logical_or.reduce(apart)
 
 
-def _total(parts: list[Problem], outputs: tuple[str, ...]) -> Array:
+def _total(parts: list[Problem], outputs: tuple[str, ...], kernels: Any) -> Array:
     total = np.zeros((len(outputs), len(parts[0].tau)))
     for part in parts:
-        for name, variance in part.variances().items():
+        for name, variance in part.variances(kernels).items():
             total[outputs.index(name)] += variance
     return total

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from ..roads import Road
 from ..vehicles import Vehicle
+from . import base_process
 from .covariance import BATCH, batches, lost_digits, moments, refuse_waviness
 from .excitation import delay, infinite_outputs, processes, refuse_unbounded, refuse_undamped
 from .spectrum import spectrum
@@ -31,25 +32,42 @@ Array = NDArray[np.float64]
 # that, relative to its terms, is zero by symmetry.
 LOST, SOUND = 1e-6, 1e-12
 
-# Designs of one block: its polynomials then stay near the processor.
-BLOCK = 2048
+# Designs of one block: its polynomials then stay near the processor. Compiled code keeps them there by itself.
+BLOCK, LONG_BLOCK = 2048, 16_384
 
-# Designs by matrices from which loading the compiler, a second or at first ten, is repaid.
-MANY = 50_000
+# Symmetric designs, and designs by matrices, from which loading the compiler (a second; at first use on a machine ten
+# to thirty) is repaid.
+PLENTY, MANY = 2_000_000, 50_000
+
+# Designs by matrices that a thread takes at a time.
 SHARE = 512
 
 
-def covariance_variances(vehicle: Vehicle, road: Road) -> Array:
-    """Variances (designs, outputs) of all outputs of all designs; `inf` where the road's white velocity reaches one."""
+def covariance_variances(vehicle: Vehicle, road: Road, designs: int = 1) -> Array:
+    """Variances (designs, outputs) of all outputs of all designs; `inf` where the road's white velocity reaches one.
+
+    These may be part of a sweep of more ``designs``, whose number decides what is worth compiling.
+    """
     refuse_waviness(road)
     sweep = vehicle.sweep()
     flat = vehicle.flattened(sweep)
     outputs = vehicle.layout().outputs
     variances = np.empty((len(outputs), sweep.size))
     left = np.zeros(sweep.size, dtype=bool)
-    for first in range(0, sweep.size, BLOCK):
-        block = slice(first, min(first + BLOCK, sweep.size))
-        variances[:, block], left[block] = symmetric_variances(flat.designs(block), road, outputs, block.stop - first)
+
+    def solve(block: slice, kernels: Any = base_process) -> None:
+        variances[:, block], left[block] = symmetric_variances(
+            flat.designs(block), road, outputs, block.stop - block.start, kernels
+        )
+
+    if max(designs, sweep.size) < PLENTY or not flat.designs(slice(0, 1)).sections():
+        for block in _blocks(sweep.size, BLOCK):
+            solve(block)
+    else:
+        from . import lanes
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(lambda block: solve(block, lanes), _blocks(sweep.size, LONG_BLOCK)))
     by_matrices = np.flatnonzero(left)
     if len(by_matrices) >= MANY:
         by_matrices = _compiled(vehicle, flat, road, by_matrices, variances)
@@ -63,6 +81,10 @@ def covariance_variances(vehicle: Vehicle, road: Road) -> Array:
             raise lost_digits(vehicle, int(chosen[np.argmax(lost)]))
         variances[:, chosen] = values.T
     return variances.T
+
+
+def _blocks(size: int, length: int) -> list[slice]:
+    return [slice(first, min(first + length, size)) for first in range(0, size, length)]
 
 
 def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
