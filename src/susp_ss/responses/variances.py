@@ -6,7 +6,11 @@
   (`covariance`), some hundred microseconds each, or once they are very many design by design in compiled code on every
   processor (`compiled`), some tens of microseconds.
 
-The choice shows in nothing but time: all agree to their last three or four digits.
+The choice shows in nothing but time. Against 80-bit arithmetic, over a thousand random full cars each on isotropic
+tracks, the base process errs by at most 3e-13 with parameters within a factor 2 of a car's, 2e-10 over two decades of
+every mass and stiffness, 2e-8 over three (99 % below 1e-9), and 3e-9 with damping down to a millionth. Designs beyond
+the bounds of `symmetric` are computed in two systems of units; those that differ go to matrices, which measure their
+own error, and what keeps fewer than six digits there is refused.
 """
 
 from __future__ import annotations
