@@ -8,6 +8,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from susp_ss.responses.variances import MANY, PLENTY
+
 LIBRARIES = ("numpy", "scipy", "numba", "control")
 
 # Colours of Okabe and Ito, told apart with any colour vision, and a marker each.
@@ -53,15 +55,16 @@ def markdown(cases, names, runs, by_designs, by_outputs, load, took):
         "# Ride metrics: microseconds a design",
         "",
         f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}, {libraries}. "
-        f"One run of {took:.0f} s; load average at its start {load:.1f} (of 0 when nothing else runs).",
+        f"One run of {took:.0f} s; load average at its start {load:.1f} (0 on a quiet machine; the higher, the "
+        "noisier the figures).",
         "",
         "In brackets: times ours for as many designs; below 1, the peer is faster. "
         "Ours starts from parameters and ends with a checked, labelled Dataset of every metric at every point; peers "
         "start from assembled matrices and end with bare arrays. "
-        "Each figure is the median of 5 runs after a warm-up, of 3 for 10^6 designs; 10^7 designs are run once. "
+        "Each figure is the median of 5 runs after a warm-up, of 3 from 10^6 designs; 10^7 designs are run once. "
         "A dash: not run, since a tenth as many designs took more than 0.2 s a run. "
-        "One BLAS thread; ours takes one processor, but all of them from 50,000 designs by matrices "
-        "(unequal corners, rigid tyre).",
+        "One BLAS thread, and one processor for all but ours in compiled code, which takes every processor: from "
+        f"{MANY:,} designs by matrices (unequal corners, rigid tyre) and from {PLENTY:,} of the other vehicles.",
         "",
     ]
     for case in cases:
@@ -112,14 +115,14 @@ def outputs(names, by_outputs, count=100):
 def first_calls(cases, ours, by_designs):
     body = []
     for case in cases:
-        for count in (1, 10**5):
+        for count in (n for n in (1, 10**5, PLENTY) if n <= case.largest):
             timing = by_designs[case.name, ours, count]
             body.append([case.name, f"{count:,}", digits(1e3 * timing.first), digits(1e3 * timing.median)])
     return [
         "## First calls of ours",
         "",
-        "In the order of the run: the first of all also loads the modules, and the first of 100,000 rigid-tyre cars "
-        "the compiled code (compiles it, if no earlier run has).",
+        "In the order of the run. The first of all also loads the modules; one that takes a second or more longer than "
+        "later ones loads compiled code, or compiles it if no earlier run has.",
         "",
         *rows(["", "designs at once", "first call, ms", "later calls, ms"], body),
         "",
@@ -144,13 +147,15 @@ def plot(cases, names, by_designs):
     ]
     height = 0.0
     for n, microseconds, name, color in sorted(ends, key=lambda end: end[1]):
+        # Beside the end of its line, above the label below it; ours, which falls to its end, has room below.
         height = max(microseconds, 1.9 * height)
-        place = {"xytext": (6, 0), "ha": "left"} if n < max(e[0] for e in ends) else {"xytext": (0, 6), "ha": "right"}
+        place = {"xytext": (4, -9), "ha": "right"} if name == names[ours] else {"xytext": (6, 0), "ha": "left"}
         above.annotate(name, (n, height), textcoords="offset points", va="center", color=color, fontsize=7.5, **place)
     # Turned so that ours on full cars is black in both.
     for case, style in zip(cases, STYLES[3:] + STYLES[:3], strict=True):
         draw(below, case.name, ours, case.name, style, 1.1)
-    figure.legend(*below.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=7.5, frameon=False)
+    entries = below.get_legend_handles_labels()
+    figure.legend(*entries, loc="outside lower center", ncols=2, fontsize=7.5, frameon=False, handlelength=1.5)
     # Room for the labels at the ends of lines.
     above.set_xlim(0.5, 4e8)
     above.margins(y=0.1)

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import models
@@ -96,9 +96,13 @@ def test_sensitivities_are_the_limits_of_differences(vehicle, road):
 @settings(max_examples=25, deadline=None)
 def test_random_vehicles_on_random_roads(vehicle, road, data):
     names = sorted(parameters(vehicle, road, least=50.0))
-    check_by_differences(
-        vehicle, road, data.draw(st.lists(st.sampled_from(names), min_size=3, max_size=3, unique=True))
-    )
+    chosen = data.draw(st.lists(st.sampled_from(names), min_size=3, max_size=3, unique=True))
+    try:
+        check_by_differences(vehicle, road, chosen)
+    except ValueError as error:
+        # Next to a symmetric car, what symmetry makes zero has too few digits to difference, and is refused.
+        assume("fewer than six digits" not in str(error))
+        raise
 
 
 def test_quarter_car_is_its_closed_form_differentiated_by_hand():

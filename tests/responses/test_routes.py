@@ -72,7 +72,8 @@ def test_routes_agree_for_random_vehicles_and_roads(vehicle, road):
     metrics = ss.ride_metrics(vehicle, road)
     for name, data in metrics.items():
         assert (data.values >= 0).all(), name
-        if name not in ("roll_acc", "dtl"):
+        # Rotations may vanish by symmetry, and tyre damping makes the load infinite.
+        if name not in ("roll_acc", "pitch_acc", "dtl"):
             assert (np.isfinite(data.values) & (data.values > 0)).all(), name
     rtol = 1e-3 if road.tracks == "isotropic" else 1e-6
     assert_agree(metrics, ss.ride_metrics(vehicle, road, method="spectral"), rtol, vehicle)
