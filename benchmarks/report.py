@@ -149,7 +149,7 @@ def plot(cases, names, by_designs):
     for n, microseconds, name, color in sorted(ends, key=lambda end: end[1]):
         # Beside the end of its line, above the label below it; ours, which falls to its end, has room below.
         height = max(microseconds, 1.9 * height)
-        place = {"xytext": (4, -9), "ha": "right"} if name == names[ours] else {"xytext": (6, 0), "ha": "left"}
+        place = {"xytext": (4, -16), "ha": "right"} if name == names[ours] else {"xytext": (6, 0), "ha": "left"}
         above.annotate(name, (n, height), textcoords="offset points", va="center", color=color, fontsize=7.5, **place)
     # Turned so that ours on full cars is black in both.
     for case, style in zip(cases, STYLES[3:] + STYLES[:3], strict=True):

@@ -155,10 +155,17 @@ def delay_operator(D: Array, tau: Array, squarings: int) -> Array:
     return total
 
 
-def apart(D: Array, alphas: Array) -> Array:
-    """Rates of colours (J, N), none of which sits on a real pole ``-alpha`` of D."""
-    near = np.abs(value(reflected(D), alphas)) < COINCIDENT * value(np.abs(D), alphas)
-    return np.where(near, alphas * (1.0 + COINCIDENT), alphas)
+def apart(D: Array, alphas: Array) -> tuple[Array, Array]:
+    """Rates of colours (J, N), none of which sits on a real pole ``-alpha`` of D, and ``D(alpha) D(-alpha)``.
+
+    All coefficients of D are positive, so that ``D(alpha)`` is the size of the terms of ``D(-alpha)``.
+    """
+    size, signed = value(D, alphas), value(reflected(D), alphas)
+    near = np.abs(signed) < COINCIDENT * size
+    if not near.any():
+        return alphas, size * signed
+    rates = np.where(near, alphas * (1.0 + COINCIDENT), alphas)
+    return rates, value(D, rates) * value(reflected(D), rates)
 
 
 def start(D: Array, static: float, alphas: Array, weights: Array) -> Array:
@@ -224,7 +231,8 @@ def one_strut(strut: Array, compliance: Array, static: float, alphas: Array, wei
     kappa, T, E = strut[1:3], strut[3:5], wheel(strut)
     D = plus(scaled(product(kappa, E), compliance), plus(E, kappa), 2)
     monic = 1.0 / D[-1]
-    now = -start(scaled(D, monic), static, apart(D, alphas), weights)[1:]
+    rates, _ = apart(D, alphas)
+    now = -start(scaled(D, monic), static, rates, weights)[1:]
     P = scaled(modulus(T), monic**2)
     d, rate, jerk = applied(P, now), -applied(P, now[1:]), applied(P, now[2:])
     F = k**2 * d + c**2 * rate
@@ -277,7 +285,7 @@ def two_struts(
         D = plus(scaled(product(H1, H2), rigidity), D, 2)
     monic = 1.0 / D[-1]
     D = scaled(D, monic)
-    rates = apart(D, alphas)
+    rates, both = apart(D, alphas)
     r = start(D, static, rates, weights)
     # Deflections are polynomials in xi', or in the integral of xi where the body rolls: of autocorrelation R.
     zero = np.zeros((7, D.shape[1]))
@@ -302,7 +310,7 @@ def two_struts(
     for k in range(4):
         cross[k] = applied(every_other(P12, k % 2), zero[(k + 1) // 2 :])
     if steps > 0:
-        gone = -0.5 * weights / (value(D, rates) * value(reflected(D), rates))
+        gone = -0.5 * weights / both
         A = plus(np.zeros((1, D.shape[1])), D, 2) if rolls else D
         g = gone / rates if rolls else gone * rates**3
         later = carried(A, zero, g, rates, rolls, tau, steps, squarings)

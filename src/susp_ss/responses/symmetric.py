@@ -47,7 +47,7 @@ class Problem(NamedTuple):
     weights: Array
     tau: Array
 
-    def variances(self, kernels: Any) -> dict[str, Array]:
+    def variances(self, kernels: Any, steps: int, halvings: int) -> dict[str, Array]:
         """Variance (N,) of every output, by the kernels of `base_process` or `lanes`."""
         road = self.static, self.alphas, self.weights
         if len(self.struts) == 1:
@@ -55,7 +55,7 @@ class Problem(NamedTuple):
             force = [[F]]
         else:
             body = self.compliance, self.rigidity, len(self.body) == 1, bool(self.struts[:, 4].any())
-            F1, F2, F12, *rest = kernels.two_struts(self.struts, *body, *road, self.tau, *self.steps())
+            F1, F2, F12, *rest = kernels.two_struts(self.struts, *body, *road, self.tau, steps, halvings)
             force = [[F1, F12], [F12, F2]]
 
         def acceleration(weights: Array) -> Array:
@@ -165,12 +165,13 @@ def symmetric_variances(
     """
     parts = problems(vehicle, road, N)
     with np.errstate(all="ignore"):
-        if not parts or any(part.undamped() or part.steps()[0] > LONGEST_WALK for part in parts):
+        walks = [part.steps() for part in parts]
+        if not parts or any(part.undamped() for part in parts) or max(walks)[0] > LONGEST_WALK:
             return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)
-        variances = _total(parts, outputs, kernels)
+        variances = _total(parts, walks, outputs, kernels)
         if not any(part.extreme() for part in parts):
             return variances, np.logical_or.reduce(np.isnan(variances))
-        other = _total([part.in_other_units() for part in parts], outputs, kernels)
+        other = _total([part.in_other_units() for part in parts], walks, outputs, kernels)
     acceleration, force = OTHER_TIME**-4.0, OTHER_MASS**2 * OTHER_TIME**-4.0
     units = {"sws": 1.0, "dtl": force, "dsws": OTHER_TIME**-2.0}
     other /= np.array([units.get(name.split("_")[0], acceleration) for name in outputs])[:, None]
@@ -178,9 +179,9 @@ def symmetric_variances(
     return variances, np.logical_or.reduce(apart)
 
 
-def _total(parts: list[Problem], outputs: tuple[str, ...], kernels: Any) -> Array:
+def _total(parts: list[Problem], walks: list[tuple[int, int]], outputs: tuple[str, ...], kernels: Any) -> Array:
     total = np.zeros((len(outputs), len(parts[0].tau)))
-    for part in parts:
-        for name, variance in part.variances(kernels).items():
+    for part, walk in zip(parts, walks, strict=True):
+        for name, variance in part.variances(kernels, *walk).items():
             total[outputs.index(name)] += variance
     return total

@@ -41,7 +41,7 @@ BLOCK, LONG_BLOCK = 2048, 8192
 
 # Symmetric designs, and designs by matrices, from which loading the compiler (a second; at first use on a machine ten
 # to thirty) is repaid.
-PLENTY, MANY = 2_000_000, 50_000
+PLENTY, MANY = 1_000_000, 50_000
 
 # Designs by matrices that a thread takes at a time.
 SHARE = 512
