@@ -30,19 +30,6 @@ def here(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def run(capsys):
-    """Run a command line; return exit code, stdout and stderr."""
-
-    def ran(*arguments):
-        with pytest.raises(SystemExit) as end:
-            main(list(map(str, arguments)))
-        captured = capsys.readouterr()
-        return end.value.code, captured.out, captured.err
-
-    return ran
-
-
-@pytest.fixture
 def answer(run):
     """Run a command line that must succeed quietly; return stdout."""
 

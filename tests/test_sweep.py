@@ -15,7 +15,6 @@ from distributed import LocalCluster
 
 import susp_ss as ss
 import susp_ss.sweep
-from susp_ss.cli import main
 from susp_ss.sweep import Swept, sweep
 from susp_ss.vehicles.files import MODELS
 
@@ -428,19 +427,6 @@ def test_refused_design(store):
 
 
 # --- The command line -------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def run(capsys):
-    """Run a command line; return exit code, stdout and stderr."""
-
-    def ran(*arguments):
-        with pytest.raises(SystemExit) as end:
-            main(list(map(str, arguments)))
-        captured = capsys.readouterr()
-        return end.value.code, captured.out, captured.err
-
-    return ran
 
 
 def test_command_equals_the_library(run, store, undisturbed):
