@@ -112,8 +112,9 @@ def lost_digits(vehicle: Vehicle, design: int) -> ValueError:
     place = dict(zip(vehicle.sweep().dims, np.unravel_index(design, vehicle.sweep().shape), strict=True))
     where = f" at ({', '.join(f'{dim}={i}' for dim, i in place.items())})" if place else ""
     return ValueError(
-        f"{type(vehicle).__name__}{where} is damped so lightly or so heavily, or has masses and stiffnesses so far "
-        'apart, that a variance keeps fewer than six digits; pass less extreme parameters, or method="spectral"'
+        f"{type(vehicle).__name__}{where} is damped so lightly or so heavily, has masses and stiffnesses so far apart, "
+        "or is so nearly symmetric, that a variance keeps fewer than six digits; pass less extreme parameters, or "
+        'method="spectral"'
     )
 
 
