@@ -31,7 +31,16 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "responses": ["covariance", "frequency_response", "psd", "simulate"],
         "metrics": ["Response", "ride_metrics"],
         "sensitivities": ["sensitivity"],
-        "surrogates": ["ParameterBased", "ResponseBased", "VariableBased", "accuracy"],
+        "surrogates": [
+            "CoKriging",
+            "Kriging",
+            "ParameterBased",
+            "Polynomial",
+            "RadialBasis",
+            "ResponseBased",
+            "VariableBased",
+            "accuracy",
+        ],
         "study": ["Study", "feasibility_study"],
     },
 )

@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 from sklearn.base import clone
+from sklearn.datasets import make_regression
 from sklearn.model_selection import cross_val_score
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import FunctionTransformer
+from sklearn.utils import estimator_checks
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
 import susp_ss as ss
+from susp_ss.surrogates import kriging
 
 
 class Plain:
@@ -21,19 +24,37 @@ class Plain:
         return "Plain()"
 
 
+class Positive(Plain):
+    def __call__(self, X):
+        return 1.0 + np.linalg.norm(np.asarray(X, dtype=float), axis=1)
+
+    def __repr__(self):
+        return "Positive()"
+
+
 ESTIMATORS = [
     ss.ResponseBased(low_fidelity=Plain()),
     ss.VariableBased(low_fidelity=Plain()),
     ss.ResponseBased(low_fidelity=Plain(), nonnegative=True),
     ss.VariableBased(low_fidelity=Plain(), nonnegative=True),
+    ss.ResponseBased(low_fidelity=Positive(), form="power"),
     ss.ParameterBased(low_fidelity=Plain(), bounds=(0.01, 100.0)),
+    ss.Polynomial(degree=1),
+    ss.RadialBasis(),
+    ss.RadialBasis("gaussian"),
+    ss.Kriging(),
+    ss.CoKriging(low_fidelity=Plain(), samples=10),
 ]
 
 
 # No check is expected to fail.
 @pytest.mark.filterwarnings("ignore:the tuned parameter:UserWarning")
 @parametrize_with_checks(ESTIMATORS)
-def test_scikit_learn_checks(estimator, check):
+def test_scikit_learn_checks(estimator, check, monkeypatch):
+    if isinstance(estimator, ss.Kriging | ss.CoKriging):
+        # The checks' own 200 runs in ten variables take SMT a minute.
+        monkeypatch.setattr(estimator_checks, "REGRESSION_DATASET", make_regression(30, 3, random_state=0))
+        monkeypatch.setattr(kriging, "STARTS", 1)
     check(estimator)
 
 
@@ -46,6 +67,11 @@ def test_clone_pipeline_and_cross_validation():
         ss.ResponseBased(ss.Response(ss.QuarterCar(), road, "sws")),
         ss.VariableBased(ss.Response(ss.QuarterCar(), road, "sws")),
         ss.ParameterBased(ss.Response(ss.QuarterCar(), road, "sws", parameter="ms")),
+        ss.ResponseBased(ss.Response(ss.QuarterCar(), road, "sws"), form="power"),
+        ss.Polynomial(),
+        ss.RadialBasis("multiquadric"),
+        ss.Kriging(),
+        ss.CoKriging(ss.Response(ss.QuarterCar(), road, "sws"), samples=20),
     ):
         copy = clone(estimator)
         assert copy.get_params().keys() == estimator.get_params().keys()

@@ -121,6 +121,16 @@ def test_default_bounds_are_the_models_own():
 
 
 @pytest.mark.parametrize(
+    ("parameter", "value", "criterion"),
+    [("kt", 150e3, "bacc"), ("kt", 150e3, "dtl"), ("mu", 60.0, "bacc"), ("mu", 60.0, "dtl")],
+)
+def test_any_parameter_of_the_model_can_be_tuned(parameter, value, criterion):
+    response = ss.Response(ss.QuarterCar(), ss.Road(), criterion, parameter=parameter)
+    fitted = ss.ParameterBased(response).fit(X, response(X, value))
+    np.testing.assert_allclose(fitted.parameter_, value, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
     ("bounds", "words"),
     [
         (None, "pass bounds="),

@@ -1,7 +1,20 @@
-"""Surrogates: a cheap model's response, tuned to an expensive model's. They know no vehicle, only callables of X."""
+"""Surrogates: a cheap model tuned to an expensive one, or its runs approximated. They know only callables of X."""
 
 from .accuracy import Accuracy, accuracy
 from .correction import ResponseBased, VariableBased
+from .kriging import CoKriging, Kriging
 from .parameter import ParameterBased
+from .polynomial import Polynomial
+from .radial_basis import RadialBasis
 
-__all__ = ["Accuracy", "ParameterBased", "ResponseBased", "VariableBased", "accuracy"]
+__all__ = [
+    "Accuracy",
+    "CoKriging",
+    "Kriging",
+    "ParameterBased",
+    "Polynomial",
+    "RadialBasis",
+    "ResponseBased",
+    "VariableBased",
+    "accuracy",
+]

@@ -1,10 +1,10 @@
 """Surrogates that correct the cheap response: scaled (RB), or shifted by a plane in the design variables (VB).
 
 Both are linear in their coefficients, so that the fit is a convex least-squares problem with one solution; the study
-calls them nonlinear. Columns are centred and scaled and reduced to a triangle before they reach the solver: spring
-rates, damping rates and responses span seven orders of magnitude. The solver's path is that of an interior point, which
-only nears the coefficients that nonnegativity holds at zero; it shows which those are, and the others are fitted again
-without them.
+calls them nonlinear. Only RB as a power law is not. Columns are centred and scaled and reduced to a triangle before
+they reach the solver: spring rates, damping rates and responses span seven orders of magnitude. The solver's path is
+that of an interior point, which only nears the coefficients that nonnegativity holds at zero; it shows which those are,
+and the others are fitted again without them.
 """
 
 from __future__ import annotations
@@ -14,25 +14,20 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.base import BaseEstimator, RegressorMixin
-from sklearn.utils.validation import check_is_fitted, validate_data
+from scipy import optimize
 
 from .low_fidelity import evaluated
+from .regressor import DEPENDENT, Array, TunedModel
 
-Array = NDArray[np.float64]
-
-# Columns that are this close to a combination of the others cannot be told apart from them.
-DEPENDENT = 1e-10
-
-# Of the solver, on a problem scaled to one.
-TOLERANCE = 1e-12
+# Of the solver, on a problem scaled to one, the sharpest that it reaches.
+TOLERANCES = (1e-12, 1e-11, 1e-10)
 
 # Scaled coefficients below this are held at zero by nonnegativity: the solver brings them to its tolerance over their
 # multiplier.
 HELD = 1e-9
 
 
-class _Correction(RegressorMixin, BaseEstimator):
+class _Correction(TunedModel):
     """``S = offset + a0 + columns a``, fitted by least squares."""
 
     def __init__(
@@ -51,7 +46,7 @@ class _Correction(RegressorMixin, BaseEstimator):
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Any:
         """Tune the coefficients to the expensive responses y (n,) at the designs X (n, k)."""
-        designs, responses = validate_data(self, X, y, y_numeric=True, dtype=float, ensure_min_samples=2)
+        designs, responses = self._runs(X, y)
         if not isinstance(self.nonnegative, bool | np.bool_):
             raise ValueError(f"nonnegative must be True or False, got {self.nonnegative!r}")
         columns, offset, names = self._split(designs, evaluated(self.low_fidelity, designs))
@@ -65,16 +60,9 @@ class _Correction(RegressorMixin, BaseEstimator):
 
     def predict(self, X: ArrayLike) -> Array:
         """Return the tuned response (n,) at the designs X (n, k)."""
-        check_is_fitted(self)
-        designs = validate_data(self, X, reset=False, dtype=float)
+        designs = self._designs(X)
         columns, offset, _ = self._split(designs, evaluated(self.low_fidelity, designs))
         return offset + self.intercept_ + columns @ self.coef_
-
-    def __sklearn_tags__(self) -> Any:
-        tags = super().__sklearn_tags__()
-        # How well it scores is up to the cheap model.
-        tags.regressor_tags.poor_score = True
-        return tags
 
 
 class ResponseBased(_Correction):
@@ -82,7 +70,8 @@ class ResponseBased(_Correction):
 
     ``S(x) = a0 + a1 f(x)``, fitted by ``min sum (S - F)^2`` (*Feasibility study of surrogate model for the application
     of vehicle suspension system*, 2021, Eqs 43 and 46). S is linear in a0 and a1, whatever f is, so that the fit is
-    convex, though the study calls it nonlinear.
+    convex, though the study calls it nonlinear. The power law ``S(x) = a0 f(x)^a1`` is fitted by the same sum of
+    squares, not in logarithms, and from the line that is best in those.
 
     Parameters
     ----------
@@ -92,19 +81,21 @@ class ResponseBased(_Correction):
         Keep every coefficient >= 0, a0 included. By default they are free.
     terms : sequence of bool, optional
         Which of (a0, a1) to fit; the others are 0.
+    form : {"linear", "power"}
+        The power law takes positive responses of both models, and neither ``nonnegative`` nor ``terms``.
 
     Attributes
     ----------
     intercept_ : float
-        a0, in the unit of the response.
+        a0, in the unit of the response; of the power law, what scales it.
     coef_ : ndarray, (1,)
         a1.
 
     Raises
     ------
     TypeError, ValueError
-        From `fit`: a low-fidelity model that is not callable or returns no finite (n,), bad terms, or designs at which
-        the coefficients cannot be told apart; the column is named.
+        From `fit`: a low-fidelity model that is not callable or returns no finite (n,), bad terms, a response that is
+        not positive in a power law, or designs at which the coefficients cannot be told apart; the column is named.
     RuntimeError
         From `fit`: the solver did not reach the optimum.
 
@@ -118,8 +109,46 @@ class ResponseBased(_Correction):
     (3.0, [2.0])
     """
 
+    def __init__(
+        self,
+        low_fidelity: Callable[[Any], Any],
+        nonnegative: bool = False,
+        terms: Sequence[bool] | None = None,
+        form: str = "linear",
+    ):
+        super().__init__(low_fidelity, nonnegative, terms)
+        self.form = form
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> ResponseBased:
+        """Tune the coefficients to the expensive responses y (n,) at the designs X (n, k)."""
+        if self.form not in ("linear", "power"):
+            raise ValueError(f"form must be 'linear' or 'power', got {self.form!r}")
+        if self.form == "linear":
+            return super().fit(X, y)
+        designs, responses = self._runs(X, y)
+        if self.nonnegative or self.terms is not None:
+            raise ValueError(
+                f"form='power' takes neither nonnegative nor terms, got {self.nonnegative!r} and {self.terms!r}"
+            )
+        f = _positive("the low-fidelity response", evaluated(self.low_fidelity, designs))
+        a0, a1 = power_law(f, _positive("y", responses))
+        self.intercept_, self.coef_ = a0, np.array([a1])
+        return self
+
+    def predict(self, X: ArrayLike) -> Array:
+        """Return the tuned response (n,) at the designs X (n, k)."""
+        if self.form == "linear":
+            return super().predict(X)
+        f = evaluated(self.low_fidelity, self._designs(X))
+        return self.intercept_ * _positive("the low-fidelity response", f) ** self.coef_[0]
+
     def _split(self, X: Array, f: Array) -> tuple[Array, Array, list[str]]:
         return f[:, None], np.zeros(len(f)), ["a0", "the low-fidelity response"]
+
+    def __sklearn_tags__(self) -> Any:
+        tags = super().__sklearn_tags__()
+        tags.target_tags.positive_only = self.form == "power"
+        return tags
 
 
 class VariableBased(_Correction):
@@ -161,8 +190,7 @@ class VariableBased(_Correction):
     """
 
     def _split(self, X: Array, f: Array) -> tuple[Array, Array, list[str]]:
-        names = getattr(self, "feature_names_in_", [f"column {i} of X" for i in range(X.shape[1])])
-        return X, f, ["a0", *map(str, names)]
+        return X, f, ["a0", *map(self._place, range(X.shape[1]))]
 
 
 def least_squares(columns: Array, target: Array, nonnegative: bool, names: Sequence[str]) -> Array:
@@ -218,6 +246,39 @@ def least_squares(columns: Array, target: Array, nonnegative: bool, names: Seque
     return a
 
 
+def power_law(f: Array, F: Array) -> tuple[float, float]:
+    """Minimise ``|a0 f^a1 - F|^2`` over a0 and a1, for positive f and F (n,).
+
+    Raises
+    ------
+    ValueError
+        f is constant.
+    RuntimeError
+        The solver stopped short of the optimum.
+    """
+    u, v = np.log(f), np.log(F)
+    middle, level = u.mean(), v.mean()
+    u -= middle
+    if np.ptp(u) < DEPENDENT:
+        raise ValueError(
+            "the low-fidelity response is constant, so that its exponent is undetermined; vary the designs"
+        )
+    target = np.exp(v - level)
+
+    def law(b: Array) -> Array:
+        return np.exp(b[0] + b[1] * u)
+
+    found = optimize.least_squares(
+        lambda b: law(b) - target,
+        [0.0, u @ (v - level) / (u @ u)],
+        jac=lambda b: law(b)[:, None] * np.column_stack([np.ones_like(u), u]),
+        **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15),
+    )
+    if not found.success:
+        raise RuntimeError(f"the power law was not fitted: {found.message}")
+    return float(np.exp(found.x[0] + level - found.x[1] * middle)), float(found.x[1])
+
+
 def _conditioner(columns: Array, names: Sequence[str]) -> Array:
     """T (m, m) with ``a = T b``, where the columns of b are scaled to one and, beside an intercept, centred."""
     scale = np.abs(columns).max(axis=0)
@@ -238,13 +299,18 @@ def _solved(R: Array, q: Array, nonnegative: Array | None = None) -> Array:
     b = cp.Variable(len(q))
     constraints = [] if nonnegative is None else [nonnegative @ b >= 0]
     problem = cp.Problem(cp.Minimize(cp.sum_squares(R @ b - q)), constraints)
-    try:
-        problem.solve(solver=cp.CLARABEL, tol_gap_abs=TOLERANCE, tol_gap_rel=TOLERANCE, tol_feas=TOLERANCE)
-    except cp.SolverError as error:
-        raise RuntimeError(f"the least-squares problem was not solved: {error}") from error
-    if problem.status != cp.OPTIMAL:
-        raise RuntimeError(f"the least-squares problem was not solved: cvxpy reports {problem.status}")
-    return np.asarray(b.value)
+    said: object = None
+    # Rounding may stall the solver just short of the sharpest tolerance; the active set settles what is left.
+    for tolerance in TOLERANCES:
+        try:
+            problem.solve(solver=cp.CLARABEL, **dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), tolerance))
+        except cp.SolverError as error:
+            said = error
+            continue
+        if problem.status == cp.OPTIMAL:
+            return np.asarray(b.value)
+        said = f"cvxpy reports {problem.status}"
+    raise RuntimeError(f"the least-squares problem was not solved: {said}")
 
 
 def _kept(terms: Sequence[bool] | None, columns: int) -> NDArray[np.bool_]:
@@ -257,3 +323,9 @@ def _kept(terms: Sequence[bool] | None, columns: int) -> NDArray[np.bool_]:
             f"got {terms!r}"
         )
     return kept.astype(bool)
+
+
+def _positive(name: str, response: Array) -> Array:
+    if not (response > 0.0).all():
+        raise ValueError(f"{name} must be positive for form='power', got {response.min():g}")
+    return response

@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
-from sklearn.base import BaseEstimator, RegressorMixin
-from sklearn.utils.validation import check_is_fitted, validate_data
 
 from .low_fidelity import check_callable, evaluated
+from .regressor import TunedModel
 
 # The sum of squares is scanned at this many values; a valley between two neighbours could hide from it.
 SCAN = 65
@@ -23,7 +22,7 @@ SCAN = 65
 INERT = 1e-10
 
 
-class ParameterBased(RegressorMixin, BaseEstimator):
+class ParameterBased(TunedModel):
     """Parameter-based surrogate (PB): the cheap model with one of its own parameters tuned.
 
     ``S(x) = f(x; a)`` with a by ``min sum (S - F)^2`` (*Feasibility study of surrogate model for the application of
@@ -70,7 +69,7 @@ class ParameterBased(RegressorMixin, BaseEstimator):
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> ParameterBased:
         """Tune the parameter to the expensive responses y (n,) at the designs X (n, k)."""
-        designs, responses = validate_data(self, X, y, y_numeric=True, dtype=float, ensure_min_samples=2)
+        designs, responses = self._runs(X, y)
         check_callable(self.low_fidelity)
         low, high = self._bounds()
         unit = np.abs(responses).max() or 1.0
@@ -113,8 +112,7 @@ class ParameterBased(RegressorMixin, BaseEstimator):
 
     def predict(self, X: ArrayLike) -> NDArray[np.float64]:
         """Return the cheap response (n,) at the designs X (n, k) with the tuned parameter."""
-        check_is_fitted(self)
-        designs = validate_data(self, X, reset=False, dtype=float)
+        designs = self._designs(X)
         return evaluated(self.low_fidelity, designs, self.parameter_)
 
     def _bounds(self) -> tuple[float, float]:
@@ -137,12 +135,6 @@ class ParameterBased(RegressorMixin, BaseEstimator):
         if not low < high:
             raise ValueError(f"bounds must rise from low to high, got {self.bounds!r}")
         return low, high
-
-    def __sklearn_tags__(self) -> Any:
-        tags = super().__sklearn_tags__()
-        # How well it scores is up to the cheap model.
-        tags.regressor_tags.poor_score = True
-        return tags
 
 
 def _is_number(value: Any) -> bool:

@@ -1,0 +1,218 @@
+"""Kriging: a trend plus a Gaussian process, of one model's runs or of two models' together; by SMT."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.stats import qmc
+from sklearn.utils import check_random_state, gen_batches
+
+from .low_fidelity import check_callable, evaluated
+from .regressor import Approximation, Array
+
+# Coefficients of a trend in k variables.
+TRENDS: dict[str, Callable[[int], int]] = {
+    "constant": lambda k: 1,
+    "linear": lambda k: 1 + k,
+    "quadratic": lambda k: (1 + k) * (2 + k) // 2,
+}
+
+# Of the search for the thetas, whose likelihood has many peaks.
+STARTS = 10
+
+# A fit takes the third power of the runs, hundreds of times; beyond this many it takes minutes.
+MANY = 500
+
+# Designs predicted at once: a prediction holds every distance from every run.
+BATCH = 1000
+
+
+class _GaussianProcess(Approximation):
+    """What one model's Kriging and two models' share."""
+
+    trend: str
+    random_state: Any
+
+    def predict(self, X: ArrayLike, return_std: bool = False) -> Array | tuple[Array, Array]:
+        """Return the mean (n,) at the designs X (n, k), and on demand its standard deviation (n,)."""
+        designs = self._designs(X)
+        batches = [self.box_.transform(designs[batch]) for batch in gen_batches(len(designs), BATCH)]
+        mean = np.concatenate([self.model_.predict_values(Z)[:, 0] for Z in batches])
+        if not return_std:
+            return mean
+        variance = np.concatenate([self.model_.predict_variances(Z)[:, 0] for Z in batches])
+        return mean, np.sqrt(np.maximum(variance, 0.0))
+
+    def _trained(self, model: type, *samples: tuple[Array, Array]) -> Any:
+        """SMT's model of the samples on the scaled columns, the cheapest first."""
+        for Z, _ in samples:
+            if len(Z) > MANY:
+                warnings.warn(
+                    f"Kriging of {len(Z)} runs takes long, for the third power of their number; {MANY} are plenty in a "
+                    "few variables",
+                    UserWarning,
+                    stacklevel=3,
+                )
+        process = model(poly=self.trend, corr="squar_exp", n_start=STARTS, seed=self._seed(), print_global=False)
+        for level, (Z, y) in enumerate(samples):
+            process.set_training_values(Z, y, name=level if level < len(samples) - 1 else None)
+        # Responses that the trend meets exactly leave no variance, whose logarithm SMT takes.
+        with np.errstate(divide="ignore"):
+            process.train()
+        return process
+
+    def _seed(self) -> int:
+        return int(check_random_state(self.random_state).randint(2**31 - 1))
+
+    def _check_trend(self, runs: int, coefficients: int = 0) -> None:
+        if self.trend not in TRENDS:
+            raise ValueError(f"trend must be one of {', '.join(TRENDS)}, got {self.trend!r}")
+        needed = TRENDS[self.trend](self.n_features_in_) + coefficients + 1
+        if runs < needed:
+            raise ValueError(
+                f"a {self.trend} trend in {self.n_features_in_} variable(s) needs at least {needed} different designs, "
+                f"got {runs} sample(s)"
+            )
+
+
+class Kriging(_GaussianProcess):
+    """Universal Kriging: a trend plus a Gaussian process that interpolates.
+
+    ``S(x) = sum b_j p_j(x) + Z(x)`` with the correlation ``exp(-sum theta_i (x_i - x'_i)^2)`` of Z, one theta a
+    variable by maximum likelihood (*Feasibility study of surrogate model for the application of vehicle suspension
+    system*, 2021, Eqs 22 to 28; its Eq 26 should sum over the design variables), by SMT's KRG.
+
+    Parameters
+    ----------
+    trend : {"constant", "linear", "quadratic"}
+    random_state : int, RandomState or None
+        Of the likelihood's starts.
+
+    Attributes
+    ----------
+    theta_ : ndarray, (k,)
+        In one over each variable's unit squared.
+    model_ : smt.surrogate_models.KRG
+        On the columns scaled to [-1, 1].
+
+    Raises
+    ------
+    ValueError
+        From `fit`: an unknown trend, one design with two responses (its rows are named), a constant column, or too few
+        runs for the trend.
+
+    Warns
+    -----
+    UserWarning
+        From `fit`, above 500 runs.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss import Kriging
+    >>> X = np.linspace(0.0, 6.0, 12)[:, None]
+    >>> mean, std = Kriging().fit(X, np.sin(X[:, 0])).predict([[2.5], [9.0]], return_std=True)
+    >>> bool(abs(mean[0] - np.sin(2.5)) < 1e-3), bool(std[1] > 10 * std[0])
+    (True, True)
+    """
+
+    def __init__(self, trend: str = "constant", random_state: Any = 0):
+        self.trend = trend
+        self.random_state = random_state
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Kriging:
+        """Fit trend and process to the responses y (n,) at the designs X (n, k)."""
+        from smt.surrogate_models import KRG
+
+        designs, responses = self._distinct(X, y)
+        self._check_trend(len(designs))
+        self.box_ = self._box(designs)
+        self.model_ = self._trained(KRG, (self.box_.transform(designs), responses))
+        self.theta_ = self.model_.optimal_theta * (self.box_.scale_ / self.model_.X_scale) ** 2
+        return self
+
+
+class CoKriging(_GaussianProcess):
+    """Co-Kriging: Kriging of a few expensive runs, led by many runs of the cheap model.
+
+    ``S(x) = rho f(x) + D(x)`` with f the Kriging of the cheap model's responses and D, a trend plus a Gaussian process,
+    that of the expensive model's deviations (M. Kennedy and A. O'Hagan, *Biometrika* 87, 2000; L. Le Gratiet's
+    recursive form), by SMT's MFK. The cheap model runs at the designs of the fit and on a Latin hypercube over their
+    box.
+
+    Parameters
+    ----------
+    low_fidelity : callable
+        ``f(X)``, designs (n, k) as an array of floats to responses (n,), such as `susp_ss.Response`.
+    trend : {"constant", "linear", "quadratic"}
+        Of f and of D.
+    samples : int
+        Runs of the cheap model on the Latin hypercube.
+    random_state : int, RandomState or None
+        Of the hypercube and of the likelihood's starts.
+
+    Attributes
+    ----------
+    rho_ : float
+        What scales the cheap response.
+    model_ : smt.applications.MFK
+        On the columns scaled to [-1, 1].
+
+    Raises
+    ------
+    TypeError, ValueError
+        From `fit`: a low-fidelity model that is not callable or returns no finite (n,), bad samples, and as `Kriging`.
+
+    Warns
+    -----
+    UserWarning
+        From `fit`, above 500 runs of either model.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss import CoKriging
+    >>> X = np.linspace(0.0, 6.0, 5)[:, None]
+    >>> surrogate = CoKriging(lambda X: np.sin(2.0 * X[:, 0]), samples=30)
+    >>> surrogate = surrogate.fit(X, 3.0 * np.sin(2.0 * X[:, 0]) + 0.1 * X[:, 0])
+    >>> bool(abs(surrogate.predict([[2.5]])[0] - 3.0 * np.sin(5.0) - 0.25) < 0.01)
+    True
+    """
+
+    def __init__(
+        self,
+        low_fidelity: Callable[[Any], Any],
+        trend: str = "constant",
+        samples: int = 60,
+        random_state: Any = 0,
+    ):
+        self.low_fidelity = low_fidelity
+        self.trend = trend
+        self.samples = samples
+        self.random_state = random_state
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> CoKriging:
+        """Fit both processes to the responses y (n,) at the designs X (n, k)."""
+        from smt.applications import MFK
+
+        designs, responses = self._distinct(X, y)
+        check_callable(self.low_fidelity)
+        if isinstance(self.samples, bool) or not isinstance(self.samples, Integral) or self.samples < 1:
+            raise ValueError(f"samples must be a whole number >= 1, got {self.samples!r}")
+        self._check_trend(len(designs), coefficients=1)
+        self.box_ = self._box(designs)
+        hypercube = qmc.LatinHypercube(self.n_features_in_, rng=self._seed()).random(self.samples)
+        low, high = self.box_.data_min_, self.box_.data_max_
+        cheap = np.concatenate([designs, low + hypercube * (high - low)])
+        self.model_ = self._trained(
+            MFK,
+            (self.box_.transform(cheap), evaluated(self.low_fidelity, cheap)),
+            (self.box_.transform(designs), responses),
+        )
+        self.rho_ = float(self.model_.optimal_par[-1]["beta"][0, 0])
+        return self

@@ -1,0 +1,184 @@
+"""Polynomials in the design variables: by least squares over many runs, or Taylor's about one design."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import comb
+from sklearn.pipeline import Pipeline, make_pipeline
+from sklearn.preprocessing import PolynomialFeatures
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from .low_fidelity import evaluated
+from .regressor import DEPENDENT, Approximation, Array
+
+# Taylor's steps, as a part of the centre: central differences of second order are then right to about this squared.
+STEP = 1e-3
+
+
+class Polynomial(Approximation):
+    """Full polynomial of the design variables, by least squares.
+
+    ``S(x) = a0 + sum a_i x^p_i`` over all powers p_i of a total degree from 1 to ``degree``, fitted by
+    ``min sum (S - F)^2`` on columns scaled to [-1, 1], and given in physical units (*Feasibility study of surrogate
+    model for the application of vehicle suspension system*, 2021, Eqs 1 to 9).
+
+    Parameters
+    ----------
+    degree : int
+        Total degree, at least 1.
+
+    Attributes
+    ----------
+    intercept_ : float
+        a0, in the unit of the response.
+    coef_ : ndarray, (m,)
+        a1, ..., in the unit of the response over that of their term.
+    terms_ : list of str
+        What each coefficient multiplies, such as ``ks``, ``ks^2`` and ``ks*cs``; columns without names are x0, x1, ...
+
+    Raises
+    ------
+    ValueError
+        From `fit`: a bad degree, fewer runs than coefficients, or designs that cannot tell the coefficients apart.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss import Polynomial
+    >>> X = np.array([[0.0], [1.0], [2.0], [4.0]])
+    >>> surrogate = Polynomial(degree=2).fit(X, 5.0 - 3.0 * X[:, 0] + 0.5 * X[:, 0] ** 2)
+    >>> surrogate.terms_, surrogate.coef_.round(9).tolist()
+    (['x0', 'x0^2'], [-3.0, 0.5])
+    """
+
+    def __init__(self, degree: int = 2):
+        self.degree = degree
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Polynomial:
+        """Fit the coefficients to the responses y (n,) at the designs X (n, k)."""
+        designs, responses = self._runs(X, y)
+        monomials = self._monomials(designs)
+        columns = monomials.transform(designs)
+        n, m = columns.shape
+        if n < m:
+            raise ValueError(
+                f"degree {self.degree} in {designs.shape[1]} variable(s) has {m} coefficients and needs at least {m} "
+                f"runs, got {n} sample(s)"
+            )
+        coefficients, _, rank, _ = np.linalg.lstsq(columns, responses, rcond=DEPENDENT)
+        if rank < m:
+            raise ValueError(
+                f"degree {self.degree} has {m} coefficients, of which these designs determine {rank} only; vary every "
+                f"column over at least {self.degree + 1} levels, not along a line or a curve, or lower the degree"
+            )
+        return self._expanded(monomials, coefficients)
+
+    @classmethod
+    def taylor(
+        cls,
+        response: Callable[[Any], Any],
+        center: ArrayLike,
+        degree: int = 2,
+        step: ArrayLike | None = None,
+    ) -> Polynomial:
+        """Taylor's polynomial of a response about one design, by central differences.
+
+        ``S(x) = f(c) + sum_i f_i (x_i - c_i) + 1/2 sum_ij f_ij (x_i - c_i)(x_j - c_j)``: exact at the centre c.
+
+        Parameters
+        ----------
+        response : callable
+            ``f(X)``, designs (n, k) as an array of floats to responses (n,), such as `susp_ss.Response`.
+        center : array_like, (k,), or DataFrame of one row
+            The design c; a DataFrame names the columns.
+        degree : int
+            1 or 2.
+        step : array_like, (k,), optional
+            Steps of the differences, in the variables' units; by default 1e-3 of the centre.
+
+        Returns
+        -------
+        Polynomial
+            Fitted.
+
+        Raises
+        ------
+        TypeError, ValueError
+            A response that is not callable or returns no finite (n,), a degree other than 1 or 2, a centre that is not
+            one design, or steps that are not positive.
+
+        Examples
+        --------
+        >>> from susp_ss import Polynomial
+        >>> tangent = Polynomial.taylor(lambda X: X[:, 0] ** 3, center=[2.0], degree=1, step=[1e-4])
+        >>> round(tangent.intercept_, 6), tangent.coef_.round(6).tolist()
+        (-16.0, [12.0])
+        """
+        polynomial = cls(degree)
+        c = validate_data(polynomial, center if hasattr(center, "columns") else np.atleast_2d(center), dtype=float)
+        if len(c) != 1:
+            raise ValueError(f"center must be one design, got {len(c)}")
+        if isinstance(degree, bool) or degree not in (1, 2):
+            raise ValueError(f"degree of a Taylor polynomial must be 1 or 2, got {degree!r}")
+        h = STEP * np.abs(c[0]) if step is None else np.asarray(step, dtype=float)
+        if h.shape != c[0].shape or not (np.isfinite(h) & (h > 0.0)).all():
+            raise ValueError(f"step must be {c.size} number(s) > 0, one a variable, got {h.tolist()}")
+
+        def f(ends: Array) -> Array:
+            return evaluated(response, c + ends * h, name="response")
+
+        axes = np.eye(c.size)
+        value = f(np.zeros_like(c))
+        slopes = (f(axes) - f(-axes)) / 2
+        i, j = np.triu_indices(c.size)
+        a, b = axes[i], axes[j]
+        bends = (f(a + b) - f(a - b) - f(b - a) + f(-a - b)) / np.where(i == j, 8, 4)
+        coefficients = np.concatenate([value, slopes, bends] if degree == 2 else [value, slopes])
+        return polynomial._expanded(polynomial._monomials(np.concatenate([c - h, c + h])), coefficients)
+
+    def predict(self, X: ArrayLike) -> Array:
+        """Return the polynomial (n,) at the designs X (n, k)."""
+        designs = self._designs(X)
+        return self.monomials_.transform(designs) @ self.scaled_coef_
+
+    def formula(self) -> str:
+        """Return the polynomial in physical units as text that a spreadsheet or a script can take.
+
+        Examples
+        --------
+        >>> import pandas as pd
+        >>> from susp_ss import Polynomial
+        >>> X = pd.DataFrame({"ks": [1.0, 2.0, 4.0]})
+        >>> Polynomial(degree=1).fit(X, [1.5, 3.5, 7.5]).formula()
+        '-0.5 + 2.0*ks'
+        """
+        check_is_fitted(self)
+        terms = zip(self.coef_.tolist(), self.terms_, strict=True)
+        return f"{self.intercept_!r} + " + " + ".join(f"{a!r}*{term}" for a, term in terms)
+
+    def _monomials(self, designs: Array) -> Pipeline:
+        """Products of powers of the columns, scaled to [-1, 1] over the box of the designs."""
+        if isinstance(self.degree, bool) or not isinstance(self.degree, Integral) or self.degree < 1:
+            raise ValueError(f"degree must be a whole number >= 1, got {self.degree!r}")
+        return make_pipeline(self._box(designs), PolynomialFeatures(self.degree)).fit(designs)
+
+    def _expanded(self, monomials: Pipeline, coefficients: Array) -> Polynomial:
+        """Multiply ``b prod (s_i x_i + m_i)^p_i`` out into powers of x."""
+        box, features = monomials
+        q, p = features.powers_[:, None], features.powers_
+        binomials = comb(p, q) * box.scale_**q * box.min_ ** np.maximum(p - q, 0)
+        self.monomials_, self.scaled_coef_ = monomials, coefficients
+        expanded = binomials.prod(axis=-1) @ coefficients
+        self.intercept_, self.coef_ = float(expanded[0]), expanded[1:]
+        names = getattr(self, "feature_names_in_", [f"x{i}" for i in range(self.n_features_in_)])
+        self.terms_ = [_term(names, powers) for powers in features.powers_[1:]]
+        return self
+
+
+def _term(names: Sequence[str], powers: Array) -> str:
+    return "*".join(name if p == 1 else f"{name}^{p}" for name, p in zip(names, powers, strict=True) if p > 0)

@@ -1,0 +1,189 @@
+"""Radial basis functions: interpolation by one bump, or one cone, around every run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from numbers import Integral, Real
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import RBFInterpolator
+from scipy.linalg import LinAlgError
+from scipy.spatial.distance import cdist
+from scipy.special import xlogy
+from sklearn.preprocessing import PolynomialFeatures
+
+from .regressor import Approximation, Array
+
+# phi(r) with scipy's signs, after the study's Eqs 10 to 21, where r^2 ln r is 0 at r = 0, and Eq 15 has a misprint for
+# exp(-r^2 / (2 sigma^2)): shape = 1 / (sqrt(2) sigma).
+KERNELS: dict[str, Callable[[Array], Array]] = {
+    "linear": lambda r: -r,
+    "cubic": lambda r: r**3,
+    "thin_plate_spline": lambda r: xlogy(r**2, r),
+    "gaussian": lambda r: np.exp(-(r**2)),
+    "multiquadric": lambda r: -np.sqrt(1.0 + r**2),
+    "inverse_multiquadric": lambda r: 1.0 / np.sqrt(1.0 + r**2),
+}
+
+# The least degree of the polynomial tail with which a kernel has one interpolant; -1 is none.
+LEAST_DEGREE = {
+    "linear": 0,
+    "cubic": 1,
+    "thin_plate_spline": 1,
+    "gaussian": -1,
+    "multiquadric": 0,
+    "inverse_multiquadric": -1,
+}
+
+SHAPED = ("gaussian", "multiquadric", "inverse_multiquadric")
+
+# Shapes to choose from, times the mean distance of neighbours, from sharp to flat.
+SHAPES = np.geomspace(5.0, 0.02, 49)
+
+# The flatter the bumps, the worse the system; beyond this condition number its errors are noise.
+CONDITION = 1e14
+
+
+class RadialBasis(Approximation):
+    """Radial basis functions around every run, and a polynomial tail: an interpolant.
+
+    ``S(x) = sum w_i phi(shape |z - z_i|) + p(z)`` with z the columns scaled to [-1, 1] over the box of the runs
+    (*Feasibility study of surrogate model for the application of vehicle suspension system*, 2021, Eqs 10 to 21), by
+    `scipy.interpolate.RBFInterpolator`.
+
+    Parameters
+    ----------
+    kernel : {"thin_plate_spline", "linear", "cubic", "gaussian", "multiquadric", "inverse_multiquadric"}
+        phi(r): ``r^2 ln r``, ``r``, ``r^3``, ``exp(-r^2)``, ``sqrt(1 + r^2)`` or ``1 / sqrt(1 + r^2)``.
+    shape : float, optional
+        Of the last three kernels, in the scaled columns; by default the one of 49, from sharp to as flat as 16 digits
+        bear, with the least sum of squared leave-one-out errors.
+    degree : int, optional
+        Of the polynomial tail, -1 for none; by default 1 for the thin plate and the cubic, and 0, a constant, for the
+        others.
+
+    Attributes
+    ----------
+    shape_ : float
+        The shape in use; 1 for a kernel without.
+    interpolator_ : scipy.interpolate.RBFInterpolator
+        On the scaled columns.
+
+    Raises
+    ------
+    ValueError
+        From `fit`: an unknown kernel, a bad shape or degree, one design with two responses (its rows are named), a
+        constant column, or too few runs for the tail.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss import RadialBasis
+    >>> X = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.3, 0.6]])
+    >>> y = np.array([1.0, 2.0, 3.0, 5.0, 2.5])
+    >>> RadialBasis().fit(X, y).predict(X).round(9).tolist()
+    [1.0, 2.0, 3.0, 5.0, 2.5]
+    """
+
+    def __init__(self, kernel: str = "thin_plate_spline", shape: float | None = None, degree: int | None = None):
+        self.kernel = kernel
+        self.shape = shape
+        self.degree = degree
+
+    def fit(self, X: ArrayLike, y: ArrayLike) -> RadialBasis:
+        """Interpolate the responses y (n,) at the designs X (n, k)."""
+        designs, responses = self._distinct(X, y)
+        degree = self._degree()
+        shape = self._shape()
+        self.box_ = self._box(designs)
+        Z = self.box_.transform(designs)
+        n, m = _tail(Z, degree).shape
+        needed = m + (shape is None)
+        if n < needed:
+            raise ValueError(
+                f"a polynomial tail of degree {degree} needs at least {needed} different designs, got {n} sample(s)"
+            )
+        self.shape_ = _best_shape(Z, responses, self.kernel, degree) if shape is None else shape
+        try:
+            self.interpolator_ = RBFInterpolator(Z, responses, kernel=self.kernel, epsilon=self.shape_, degree=degree)
+        except LinAlgError as error:
+            raise ValueError(
+                f"these designs do not determine the interpolant with kernel {self.kernel!r}, shape {self.shape_:g} "
+                f"and degree {degree}; take a larger shape, a lower degree, or designs that are not on a line"
+            ) from error
+        return self
+
+    def predict(self, X: ArrayLike) -> Array:
+        """Return the interpolant (n,) at the designs X (n, k)."""
+        designs = self._designs(X)
+        return self.interpolator_(self.box_.transform(designs))
+
+    def _degree(self) -> int:
+        if self.kernel not in KERNELS:
+            raise ValueError(f"kernel must be one of {', '.join(KERNELS)}, got {self.kernel!r}")
+        least = LEAST_DEGREE[self.kernel]
+        if self.degree is None:
+            return max(least, 0)
+        if isinstance(self.degree, bool) or not isinstance(self.degree, Integral) or self.degree < least:
+            raise ValueError(
+                f"degree must be a whole number >= {least} for kernel {self.kernel!r}, got {self.degree!r}"
+            )
+        return int(self.degree)
+
+    def _shape(self) -> float | None:
+        """The shape asked for; None where leave-one-out is to choose."""
+        if self.shape is None:
+            return None if self.kernel in SHAPED else 1.0
+        if self.kernel not in SHAPED:
+            raise ValueError(f"kernel {self.kernel!r} has no shape, got {self.shape!r}; leave it None")
+        if isinstance(self.shape, bool) or not isinstance(self.shape, Real) or not 0.0 < self.shape < math.inf:
+            raise ValueError(f"shape must be a number > 0, got {self.shape!r}")
+        return float(self.shape)
+
+
+def leave_one_out(Z: Array, y: Array, kernel: str, shape: float, degree: int) -> Array:
+    """Errors of the interpolants that each leave one run out, at that run, from one interpolant of all.
+
+    With A the matrix of the interpolation conditions and of the tail's, and ``A (w, v) = (y, 0)``, the error at run i
+    is ``w_i / (A^-1)_ii`` (S. Rippa, *Advances in Computational Mathematics* 11, 1999, section 2).
+
+    Parameters
+    ----------
+    Z : ndarray, (n, k)
+        Scaled designs.
+    y : ndarray, (n,)
+    kernel : str
+    shape : float
+    degree : int
+
+    Returns
+    -------
+    ndarray, (n,)
+        Response minus interpolant; inf if the system is singular to working precision.
+    """
+    n = len(Z)
+    P = _tail(Z, degree)
+    K = KERNELS[kernel](shape * cdist(Z, Z))
+    A = np.block([[K, P], [P.T, np.zeros((P.shape[1], P.shape[1]))]])
+    try:
+        inverse = np.linalg.inv(A)
+    except LinAlgError:
+        return np.full(n, np.inf)
+    if np.linalg.norm(A, 1) * np.linalg.norm(inverse, 1) > CONDITION:
+        return np.full(n, np.inf)
+    return inverse[:n, :n] @ y / np.diag(inverse)[:n]
+
+
+def _best_shape(Z: Array, y: Array, kernel: str, degree: int) -> float:
+    distances = cdist(Z, Z)
+    np.fill_diagonal(distances, np.inf)
+    shapes = SHAPES / distances.min(axis=1).mean()
+    sizes = [np.linalg.norm(leave_one_out(Z, y, kernel, shape, degree)) for shape in shapes]
+    return float(shapes[np.argmin(sizes)])
+
+
+def _tail(Z: Array, degree: int) -> Array:
+    """Monomials (n, m) of the polynomial tail."""
+    return PolynomialFeatures(degree).fit_transform(Z) if degree >= 0 else np.empty((len(Z), 0))

@@ -1,0 +1,71 @@
+"""What every surrogate takes for designs and responses, and what it calls the columns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.preprocessing import MinMaxScaler
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+Array = NDArray[np.float64]
+
+# Columns that are this close to a combination of the others cannot be told apart from them.
+DEPENDENT = 1e-10
+
+
+class Surrogate(RegressorMixin, BaseEstimator):
+    """A regressor from designs X (n, k), an array or a DataFrame, to responses y (n,)."""
+
+    def _runs(self, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
+        """Designs (n, k) and responses (n,) to be fitted, finite numbers and at least two."""
+        return validate_data(self, X, y, y_numeric=True, dtype=float, ensure_min_samples=2)
+
+    def _designs(self, X: ArrayLike) -> Array:
+        """Designs (n, k) to be predicted, with the columns of the fit."""
+        check_is_fitted(self)
+        return validate_data(self, X, reset=False, dtype=float)
+
+    def _place(self, column: int) -> str:
+        """A column in the words of a message."""
+        names = getattr(self, "feature_names_in_", None)
+        return f"column {column} of X" if names is None else str(names[column])
+
+
+class TunedModel(Surrogate):
+    """A surrogate that evaluates the cheap model for every prediction: how well it scores is up to that."""
+
+    def __sklearn_tags__(self) -> Any:
+        tags = super().__sklearn_tags__()
+        tags.regressor_tags.poor_score = True
+        return tags
+
+
+class Approximation(Surrogate):
+    """A surrogate of the responses alone, on columns that run from -1 to 1 over the box of its runs."""
+
+    def _box(self, designs: Array) -> MinMaxScaler:
+        """The box of the runs; every variable varies in it."""
+        constant = np.ptp(designs, axis=0) == 0.0
+        if constant.any():
+            column = int(np.argmax(constant))
+            raise ValueError(
+                f"{self._place(column)} is constant, got {designs[0, column]:g} in every run; vary it, or leave it out"
+            )
+        return MinMaxScaler(feature_range=(-1.0, 1.0)).fit(designs)
+
+    def _distinct(self, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
+        """The runs to interpolate: a design that returns with the same response counts once."""
+        designs, responses = self._runs(X, y)
+        _, first, group = np.unique(designs, axis=0, return_index=True, return_inverse=True)
+        again = responses != responses[first[group]]
+        if again.any():
+            row = int(np.argmax(again))
+            raise ValueError(
+                f"rows {first[group[row]]} and {row} of X are one design with two responses, "
+                f"{float(responses[first[group[row]]])!r} and {float(responses[row])!r}; keep one, or their mean"
+            )
+        kept = np.sort(first)
+        return designs[kept], responses[kept]
