@@ -1,59 +1,35 @@
-"""Pictures of the study: response surfaces, error maps and magnitudes over frequency, sized for print.
-
-Every function returns a new `matplotlib.figure.Figure`, which needs no window system: ``figure.savefig("name.png")``.
-"""
+"""Pictures of the study: response surfaces and error maps."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
-from .published import CRITERIA, LABELS, SURROGATES
-from .responses import frequency_response
-from .vehicles import FullCar, QuarterCar
+from ..published import CRITERIA, SURROGATES
+from .style import STYLE, WIDTH, new_figure
 
 if TYPE_CHECKING:
-    from .study import Study
-
-STYLE: Any = {
-    "font.size": 8.0,
-    "axes.labelsize": 8.0,
-    "axes.titlesize": 9.0,
-    "xtick.labelsize": 7.0,
-    "ytick.labelsize": 7.0,
-    "legend.fontsize": 8.0,
-    "axes.linewidth": 0.6,
-    "mathtext.default": "regular",
-}
-"""For a page 180 mm wide."""
-
-WIDTH = 7.1  # inches, the text width of A4
-DPI = 200
+    from ..study import Study
 
 # The study's colours of low fidelity, high fidelity and surrogate; edges tell the surfaces apart without colour.
 SURFACES = {"lf": ("#f2d30b", "#8a7500"), "hf": ("#35d0e0", "#0a6d78"), "surrogate": ("#ffffff", "#303030")}
 
 FORMULAE = {"RB": "$S = a_0 + a_1 f$", "VB": "$S = f + a_0 + a_1 K_s + a_2 C_s$", "PB": "$S = f(M_s)$"}
 
-# Okabe and Ito's palette, distinct to colour-blind readers, and a dash pattern for each.
-LINES = (("#000000", "-"), ("#0072b2", "--"), ("#d55e00", "-."), ("#009e73", ":"))
-
 # Criterion: symbol on the axis, unit on the axis and SI units in one of it.
 AXES = {"bacc": ("BAcc", "m/s²", 1.0), "dtl": ("DTL", "kN", 1e3), "sws": ("SWS", "mm", 1e-3)}
 ERROR_AXES = {"bacc": ("BAcc", "m/s²", 1.0), "dtl": ("DTL", "N", 1.0), "sws": ("SWS", "mm", 1e-3)}
 # Elevation and azimuth in degrees, from where a surface shows its upper side: BAcc rises with C_s, the others fall.
 VIEWS = {"bacc": (25.0, -130.0), "dtl": (28.0, 50.0), "sws": (28.0, 50.0)}
-GAINS = {"bacc": ("BAcc / road", "(m/s²)/m"), "dtl": ("DTL / road", "N/m"), "sws": ("SWS / road", "m/m")}
 
 
 def response_surfaces(study: Study, surrogate: str, criteria: Sequence[str] = tuple(CRITERIA)) -> Figure:
@@ -82,7 +58,7 @@ def response_surfaces(study: Study, surrogate: str, criteria: Sequence[str] = tu
     _check(surrogate, criteria)
     count = len(criteria)
     with mpl.rc_context(STYLE):
-        figure = _figure(WIDTH if count > 1 else 0.5 * WIDTH, 2.75)
+        figure = new_figure(WIDTH if count > 1 else 0.5 * WIDTH, 2.75)
         for i, criterion in enumerate(criteria):
             symbol, unit, one = AXES[criterion]
             axes: Any = figure.add_axes(((i + 0.11) / count, 0.12, 0.88 / count, 0.84), projection="3d")
@@ -127,7 +103,7 @@ def error_map(study: Study, surrogate: str) -> Figure:
     """
     _check(surrogate)
     with mpl.rc_context(STYLE):
-        figure = _figure(WIDTH, 2.6, layout="constrained")
+        figure = new_figure(WIDTH, 2.6, layout="constrained")
         panels = figure.subplots(1, 3, sharey=True)
         for axes, (criterion, (symbol, unit, one)) in zip(panels, ERROR_AXES.items(), strict=True):
             here = study.responses.sel(criterion=criterion)
@@ -143,64 +119,6 @@ def error_map(study: Study, surrogate: str) -> Figure:
             axes.set_title(symbol)
             axes.set_xlabel("$K_s$ (kN/m)")
         panels[0].set_ylabel("$C_s$ (kN s/m)")
-    return figure
-
-
-def bode_magnitude(curves: Mapping[str, xr.DataArray]) -> Figure:
-    """Magnitude over frequency of the three criteria per metre of road height.
-
-    Parameters
-    ----------
-    curves : mapping of str to DataArray
-        For each legend entry a response on dims ``criterion`` (bacc, dtl, sws) and ``frequency`` (Hz), complex or not.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
-    >>> from susp_ss.plots import bode_magnitude, study_curves
-    >>> figure = bode_magnitude(study_curves("fr"))
-    >>> figure.axes[2].get_ylabel()
-    '|SWS / road| (m/m)'
-    """
-    with mpl.rc_context(STYLE):
-        figure = _figure(WIDTH, 2.7, layout="constrained")
-        panels = figure.subplots(1, 3)
-        for axes, (criterion, (label, unit)) in zip(panels, GAINS.items(), strict=True):
-            for (name, curve), (colour, dashes) in zip(curves.items(), LINES, strict=False):
-                gain = np.abs(curve.sel(criterion=criterion))
-                axes.loglog(curve.frequency, gain, color=colour, linestyle=dashes, linewidth=1.2, label=name)
-            axes.set_xlabel("frequency (Hz)")
-            axes.set_ylabel(f"|{label}| ({unit})")
-            axes.grid(which="major", linewidth=0.4, color="0.8")
-        handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False, handlelength=3.0)
-    return figure
-
-
-def study_curves(corner: str) -> dict[str, xr.DataArray]:
-    """Responses of both models of the study for `bode_magnitude`, with the middle spring and damper of Table 2.
-
-    The full car is measured at ``corner``, once with the road under all four wheels in phase, once with the road
-    under that corner's wheel alone.
-    """
-    frequency = np.geomspace(0.1, 50.0, 400)
-    quarter = frequency_response(QuarterCar(), frequency).sel(input="z_r", drop=True)
-    full = frequency_response(FullCar(), frequency)
-    at_corner = full.sel(output=[f"{criterion}_{corner}" for criterion in LABELS])
-    curves = {
-        "quarter car": quarter.sel(output=list(LABELS)),
-        f"full car at {corner}, all wheels in phase": at_corner.sum("input"),
-        f"full car at {corner}, road under {corner} only": at_corner.sel(input=f"z_r_{corner}", drop=True),
-    }
-    return {name: curve.assign_coords(output=list(LABELS)).rename(output="criterion") for name, curve in curves.items()}
-
-
-def _figure(width: float, height: float, layout: Any = None) -> Figure:
-    figure = Figure(figsize=(width, height), dpi=DPI, layout=layout)
-    FigureCanvasAgg(figure)
     return figure
 
 
