@@ -33,6 +33,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "sensitivities": ["sensitivity"],
         "surrogates": [
             "CoKriging",
+            "ExtrapolationWarning",
             "Kriging",
             "ParameterBased",
             "Polynomial",

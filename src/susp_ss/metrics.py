@@ -242,6 +242,8 @@ class Response:
     ----------
     parameter_value : float
         The vehicle's own value of ``parameter``.
+    value_per_design : bool
+        True: the second argument may be one value for each design.
 
     Raises
     ------
@@ -258,6 +260,8 @@ class Response:
     >>> bool((response(X, 400.0) > response(X)).all())
     True
     """
+
+    value_per_design = True
 
     def __init__(
         self,

@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import operator
 import time
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
@@ -24,7 +25,7 @@ from scipy.stats import qmc
 from .metrics import Response, ride_metrics
 from .published import ACCURACY, COEFFICIENTS, CRITERIA, SURROGATES, Published, comparison, index, published
 from .roads import Road
-from .surrogates import ParameterBased, ResponseBased, VariableBased, accuracy
+from .surrogates import ExtrapolationWarning, ParameterBased, ResponseBased, VariableBased, accuracy
 from .tabulated import Tabulated
 from .vehicles import FullCar, QuarterCar
 
@@ -341,7 +342,10 @@ def _cost(
     cost = pd.DataFrame({"unknowns": [UNKNOWNS[surrogate] for surrogate, _ in index()]}, index=index())
     for count in FEW:
         fitted = fit(few[:count], F_few[:count], low_fidelity, nonnegative)
-        cost[f"RMSE_{count}"] = scores(fitted, X, F)["RMSE"]
+        with warnings.catch_warnings():
+            # Few designs leave the corners of the range outside their box; how badly, is what is measured.
+            warnings.simplefilter("ignore", ExtrapolationWarning)
+            cost[f"RMSE_{count}"] = scores(fitted, X, F)["RMSE"]
     near = np.array([cost[f"RMSE_{count}"] <= ENOUGH * at_nodes["RMSE"] for count in FEW])
     # Luck with few designs does not count: every larger number must be near as well.
     enough = np.logical_and.accumulate(near[::-1])[::-1]

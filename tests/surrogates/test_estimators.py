@@ -1,6 +1,9 @@
 """The surrogates are scikit-learn regressors."""
 
+import warnings
+
 import numpy as np
+import pandas as pd
 import pytest
 from sklearn.base import clone
 from sklearn.datasets import make_regression
@@ -78,3 +81,26 @@ def test_clone_pipeline_and_cross_validation():
         pipeline = make_pipeline(FunctionTransformer(), copy).fit(X, y)
         assert pipeline.score(X, y) > 0.5
         assert cross_val_score(estimator, X, y, cv=3).min() > 0.3
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS, ids=repr)
+def test_extrapolation_is_flagged(estimator):
+    runs = pd.DataFrame(np.random.default_rng(1).uniform([1.0, 20.0], [2.0, 40.0], (12, 2)), columns=["ks", "cs"])
+    low, high = runs.min(), runs.max()
+    fitted = clone(estimator).fit(runs, 3.0 + runs.sum(axis=1))
+    inside = pd.concat([runs, low.to_frame().T, high.to_frame().T])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fitted.predict(inside)
+    assert not fitted.outside(inside).any()
+    beyond = pd.DataFrame({"ks": [1.5, 1.5], "cs": [30.0, 1.01 * high.cs]})
+    assert fitted.outside(beyond).tolist() == [False, True]
+    with pytest.warns(
+        ss.ExtrapolationWarning, match=r"^1 of 2 designs .* such as cs = 4\d\.\d+ where the runs go from 2"
+    ):
+        fitted.predict(beyond)
+
+
+def test_a_taylor_polynomial_has_no_box():
+    tangent = ss.Polynomial.taylor(lambda X: X[:, 0] ** 2, center=[1.0])
+    assert not tangent.outside([[100.0]]).any()

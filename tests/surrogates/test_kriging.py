@@ -101,7 +101,7 @@ def test_a_seed_repeats_a_fit(surrogate, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.filterwarnings("error")
+@pytest.mark.filterwarnings("error", "ignore:.* outside the box of the runs:UserWarning")
 def test_a_constant_response_is_predicted():
     X = designs(10, 12)
     mean, std = ss.Kriging().fit(X, np.full(10, 7.0)).predict(designs(5, 13), return_std=True)

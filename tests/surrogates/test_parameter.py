@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import susp_ss as ss
+from susp_ss.surrogates import parameter
 
 X = np.column_stack([np.linspace(12536, 24570, 40), np.linspace(2235, 798, 40)])
 
@@ -74,7 +75,7 @@ def test_global_minimum_among_several():
 def test_global_minimum_of_a_tuned_frequency(frequency, seed):
     """Waves out of tune have a dozen valleys, the narrowest three of the 65 steps wide."""
     time = np.linspace(0.0, 4.0, 200)
-    wave = ss.ParameterBased(lambda X, a: np.sin(a * X[:, 0]), bounds=(0.0, 30.0))
+    wave = ss.ss.ParameterBased(lambda X, a: np.sin(a * X[:, 0]), bounds=(0.0, 30.0))
     y = np.sin(frequency * time) + 0.3 * np.random.default_rng(seed).normal(size=200)
     tuned = wave.fit(time[:, None], y).parameter_
     dense = np.linspace(0.0, 30.0, 30_001)
@@ -92,7 +93,7 @@ def test_small_and_narrow_ranges(bounds):
 
 @pytest.mark.parametrize(("bounds", "value"), [((-5.0, 5.0), -2.0), ((0.0, 5.0), 3.0), ((-7, -1), -4.0)])
 def test_bounds_need_not_be_positive(bounds, value):
-    fitted = ss.ParameterBased(lambda X, a: np.sin(a * X[:, 1] / 2235), bounds=bounds).fit(
+    fitted = ss.ss.ParameterBased(lambda X, a: np.sin(a * X[:, 1] / 2235), bounds=bounds).fit(
         X, np.sin(value * X[:, 1] / 2235)
     )
     np.testing.assert_allclose(fitted.parameter_, value, rtol=1e-9)
@@ -178,3 +179,22 @@ def test_a_parameter_that_acts_by_rounding_alone_is_refused():
     response = ss.Response(ss.QuarterCar(), ss.Road(), "sws", parameter="kt")
     with pytest.raises(ValueError, match="must depend on its second argument"):
         ss.ParameterBased(response).fit(X, 1.1 * response(X))
+
+
+def test_a_model_of_values_per_design_is_tuned_alike(monkeypatch):
+    asked = []
+
+    class Whole:
+        value_per_design = True
+
+        def __call__(self, X, value):
+            asked.append(np.size(value))
+            return np.sin(value * X[:, 0])
+
+    X = np.linspace(0.1, 2.0, 15)[:, None]
+    y = np.sin(1.3 * X[:, 0]) + 0.05 * X[:, 0]
+    one = ss.ParameterBased(lambda X, a: np.sin(a * X[:, 0]), bounds=(0.1, 3.0)).fit(X, y)
+    monkeypatch.setattr(parameter, "TOGETHER", 100)
+    many = ss.ParameterBased(Whole(), bounds=(0.1, 3.0)).fit(X, y)
+    assert max(asked) == 90
+    assert many.parameter_ == pytest.approx(one.parameter_, rel=1e-9)

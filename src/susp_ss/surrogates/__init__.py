@@ -6,10 +6,12 @@ from .kriging import CoKriging, Kriging
 from .parameter import ParameterBased
 from .polynomial import Polynomial
 from .radial_basis import RadialBasis
+from .regressor import ExtrapolationWarning
 
 __all__ = [
     "Accuracy",
     "CoKriging",
+    "ExtrapolationWarning",
     "Kriging",
     "ParameterBased",
     "Polynomial",

@@ -9,6 +9,8 @@ and the others are fitted again without them.
 
 from __future__ import annotations
 
+import functools
+import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -296,9 +298,9 @@ def _solved(R: Array, q: Array, nonnegative: Array | None = None) -> Array:
     """The b that minimises ``|R b - q|^2``, where ``nonnegative @ b >= 0``."""
     import cvxpy as cp
 
-    b = cp.Variable(len(q))
-    constraints = [] if nonnegative is None else [nonnegative @ b >= 0]
-    problem = cp.Problem(cp.Minimize(cp.sum_squares(R @ b - q)), constraints)
+    problem, b, given = _compiled(len(q), nonnegative is not None, threading.get_ident())
+    for parameter, value in zip(given, (R, q, nonnegative), strict=False):
+        parameter.value = value
     said: object = None
     # Rounding may stall the solver just short of the sharpest tolerance; the active set settles what is left.
     for tolerance in TOLERANCES:
@@ -311,6 +313,16 @@ def _solved(R: Array, q: Array, nonnegative: Array | None = None) -> Array:
             return np.asarray(b.value)
         said = f"cvxpy reports {problem.status}"
     raise RuntimeError(f"the least-squares problem was not solved: {said}")
+
+
+@functools.lru_cache
+def _compiled(m: int, constrained: bool, thread: int) -> tuple[Any, Any, list[Any]]:
+    """The problem in m unknowns, its unknowns and its parameters, compiled once; a thread has its own."""
+    import cvxpy as cp
+
+    b, R, q, T = cp.Variable(m), cp.Parameter((m, m)), cp.Parameter(m), cp.Parameter((m, m))
+    problem = cp.Problem(cp.Minimize(cp.sum_squares(R @ b - q)), [T @ b >= 0] if constrained else [])
+    return problem, b, [R, q, T] if constrained else [R, q]
 
 
 def _kept(terms: Sequence[bool] | None, columns: int) -> NDArray[np.bool_]:

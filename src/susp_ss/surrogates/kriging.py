@@ -207,8 +207,7 @@ class CoKriging(_GaussianProcess):
         self._check_trend(len(designs), coefficients=1)
         self.box_ = self._box(designs)
         hypercube = qmc.LatinHypercube(self.n_features_in_, rng=self._seed()).random(self.samples)
-        low, high = self.box_.data_min_, self.box_.data_max_
-        cheap = np.concatenate([designs, low + hypercube * (high - low)])
+        cheap = np.concatenate([designs, self.lowest_ + hypercube * (self.highest_ - self.lowest_)])
         self.model_ = self._trained(
             MFK,
             (self.box_.transform(cheap), evaluated(self.low_fidelity, cheap)),

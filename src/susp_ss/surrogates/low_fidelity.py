@@ -10,11 +10,14 @@ from numpy.typing import NDArray
 
 
 def evaluated(
-    low_fidelity: Callable[..., Any], X: NDArray[np.float64], *value: float, name: str = "low_fidelity"
+    low_fidelity: Callable[..., Any],
+    X: NDArray[np.float64],
+    *value: float | NDArray[np.float64],
+    name: str = "low_fidelity",
 ) -> NDArray[np.float64]:
     """Return ``low_fidelity(X)`` or ``low_fidelity(X, value)`` as one finite number a design.
 
-    Messages call the callable by the ``name`` of the argument.
+    The value is one for all designs or one for each. Messages call the callable by the ``name`` of the argument.
 
     Raises
     ------
@@ -25,7 +28,7 @@ def evaluated(
     """
     check_callable(low_fidelity, name)
     response = np.asarray(low_fidelity(X, *value))
-    where = "".join(f" at the parameter's value {v:g}" for v in value)
+    where = "".join(f" at the parameter's value {v:g}" for v in value if np.ndim(v) == 0)
     if response.shape != (len(X),):
         raise ValueError(
             f"{name} must return one number for each design, shape {(len(X),)}, got {response.shape}{where}"

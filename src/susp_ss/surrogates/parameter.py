@@ -11,12 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
+from sklearn.utils import gen_batches
 
 from .low_fidelity import check_callable, evaluated
 from .regressor import TunedModel
 
 # The sum of squares is scanned at this many values; a valley between two neighbours could hide from it.
 SCAN = 65
+
+# Designs of the cheap model in one call.
+TOGETHER = 50_000
 
 # A sum of squares that varies less than this over the whole scan varies by rounding alone.
 INERT = 1e-10
@@ -35,7 +39,8 @@ class ParameterBased(TunedModel):
     ----------
     low_fidelity : callable
         ``f(X, value)``, designs (n, k) as an array of floats and one parameter value to responses (n,), such as
-        ``susp_ss.Response(..., parameter="ms")``.
+        ``susp_ss.Response(..., parameter="ms")``. One whose attribute ``value_per_design`` is True is also given a
+        value for each design, (n,).
     bounds : (float, float), optional
         Lowest and highest value, in the parameter's unit; by default 0.2 and 4 times
         ``low_fidelity.parameter_value``, the model's own.
@@ -78,15 +83,15 @@ class ParameterBased(TunedModel):
             """The parameter at the fraction u of its range."""
             return min(low * (high / low) ** u if low > 0.0 else low + u * (high - low), high)
 
-        def deviation(u: float) -> NDArray[np.float64]:
-            return (evaluated(self.low_fidelity, designs, value(u)) - responses) / unit
+        def deviations(*u: float) -> NDArray[np.float64]:
+            """Of the cheap model from the expensive one, a row a fraction."""
+            return (_at_values(self.low_fidelity, designs, [value(one) for one in u]) - responses) / unit
 
         def squares(u: float) -> float:
-            away = deviation(u)
-            return float(away @ away)
+            return float((deviations(u) ** 2).sum())
 
         grid = np.linspace(0.0, 1.0, SCAN)
-        scanned = np.array([squares(u) for u in grid])
+        scanned = (deviations(*grid) ** 2).sum(axis=1)
         if np.ptp(scanned) <= INERT * scanned.max():
             raise ValueError(
                 f"low_fidelity must depend on its second argument, got one sum of squares for all values from {low:g} "
@@ -98,7 +103,7 @@ class ParameterBased(TunedModel):
             found = minimize_scalar(squares, bounds=bracket, method="bounded", options={"xatol": 1e-9})
             if found.fun < least:
                 best, least = float(found.x), found.fun
-        best = _polished(deviation, best)
+        best = _polished(deviations, best)
         self.at_bound_ = {0.0: "lower", 1.0: "upper"}.get(best)
         self.parameter_ = {"lower": low, "upper": high, None: value(best)}[self.at_bound_]
         if self.at_bound_ is not None:
@@ -137,6 +142,18 @@ class ParameterBased(TunedModel):
         return low, high
 
 
+def _at_values(low_fidelity: Any, designs: NDArray[np.float64], values: list[float]) -> NDArray[np.float64]:
+    """The cheap responses (values, n): in one call, where the model takes a value for each design."""
+    if not getattr(low_fidelity, "value_per_design", False):
+        return np.array([evaluated(low_fidelity, designs, value) for value in values])
+    n = len(designs)
+    rows = []
+    for some in gen_batches(len(values), max(1, TOGETHER // n)):
+        each = np.repeat(values[some], n)
+        rows.append(evaluated(low_fidelity, np.tile(designs, (len(each) // n, 1)), each).reshape(-1, n))
+    return np.concatenate(rows)
+
+
 def _is_number(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
@@ -148,19 +165,19 @@ def _valleys(values: NDArray[np.float64]) -> NDArray[np.int_]:
     return np.flatnonzero((values <= left) & (values < right))
 
 
-def _polished(deviation: Callable[[float], NDArray[np.float64]], u: float) -> float:
+def _polished(deviations: Callable[..., NDArray[np.float64]], u: float) -> float:
     """Newton's steps inside (0, 1) from a minimum of the squares, whose flat bottom hides half the digits of u."""
     for _ in range(4):
         h = min(3e-4, u / 2, (1.0 - u) / 2)
         if h <= 0.0:
             break
-        left2, left, here, right, right2 = (deviation(u + k * h) for k in (-2, -1, 0, 1, 2))
+        left2, left, here, right, right2 = deviations(*(u + k * h for k in (-2, -1, 0, 1, 2)))
         slope = (left2 - 8 * left + 8 * right - right2) / (12 * h)
         bend = (left - 2 * here + right) / h**2
         gradient, curvature = float(slope @ here), float(slope @ slope + bend @ here)
         if abs(gradient) >= h * curvature:
             break
-        reached = deviation(u - gradient / curvature)
+        (reached,) = deviations(u - gradient / curvature)
         if reached @ reached > (1 + 1e-9) * (here @ here):
             break
         u -= gradient / curvature

@@ -139,6 +139,8 @@ class Polynomial(Approximation):
         a, b = axes[i], axes[j]
         bends = (f(a + b) - f(a - b) - f(b - a) + f(-a - b)) / np.where(i == j, 8, 4)
         coefficients = np.concatenate([value, slopes, bends] if degree == 2 else [value, slopes])
+        # It is about one design: there is no box that it would leave.
+        polynomial.lowest_, polynomial.highest_ = np.full_like(c[0], -np.inf), np.full_like(c[0], np.inf)
         return polynomial._expanded(polynomial._monomials(np.concatenate([c - h, c + h])), coefficients)
 
     def predict(self, X: ArrayLike) -> Array:

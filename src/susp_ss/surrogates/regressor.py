@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -16,17 +17,57 @@ Array = NDArray[np.float64]
 DEPENDENT = 1e-10
 
 
+# Of the box of the runs, what a design may lie beyond it by rounding.
+EDGE = 1e-9
+
+
+class ExtrapolationWarning(UserWarning):
+    """Designs were predicted outside the box of the runs, where nothing holds a surrogate to the expensive model."""
+
+
 class Surrogate(RegressorMixin, BaseEstimator):
-    """A regressor from designs X (n, k), an array or a DataFrame, to responses y (n,)."""
+    """A regressor from designs X (n, k), an array or a DataFrame, to responses y (n,).
+
+    Attributes
+    ----------
+    lowest_, highest_ : ndarray, (k,)
+        The box of the runs.
+    """
+
+    def outside(self, X: ArrayLike) -> NDArray[np.bool_]:
+        """Which of the designs X (n, k) lie outside the box of the runs, beyond rounding."""
+        return np.any(self._beyond(self._columns(X)), axis=1)
 
     def _runs(self, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
         """Designs (n, k) and responses (n,) to be fitted, finite numbers and at least two."""
-        return validate_data(self, X, y, y_numeric=True, dtype=float, ensure_min_samples=2)
+        designs, responses = validate_data(self, X, y, y_numeric=True, dtype=float, ensure_min_samples=2)
+        self.lowest_, self.highest_ = designs.min(axis=0), designs.max(axis=0)
+        return designs, responses
 
     def _designs(self, X: ArrayLike) -> Array:
-        """Designs (n, k) to be predicted, with the columns of the fit."""
+        """Designs (n, k) to be predicted; those outside the box of the runs are warned of."""
+        designs = self._columns(X)
+        beyond = self._beyond(designs)
+        if beyond.any():
+            column = int(np.argmax(beyond.any(axis=0)))
+            far = designs[np.argmax(beyond[:, column]), column]
+            warnings.warn(
+                f"{np.count_nonzero(beyond.any(axis=1))} of {len(designs)} designs lie outside the box of the runs, "
+                f"such as {self._place(column)} = {far:g} where the runs go from {self.lowest_[column]:g} to "
+                f"{self.highest_[column]:g}: an extrapolation",
+                ExtrapolationWarning,
+                stacklevel=3,
+            )
+        return designs
+
+    def _columns(self, X: ArrayLike) -> Array:
+        """Designs (n, k) with the columns of the fit."""
         check_is_fitted(self)
         return validate_data(self, X, reset=False, dtype=float)
+
+    def _beyond(self, designs: Array) -> NDArray[np.bool_]:
+        edge = EDGE * np.maximum(np.abs(self.lowest_), np.abs(self.highest_))
+        return (designs < self.lowest_ - edge) | (designs > self.highest_ + edge)
 
     def _place(self, column: int) -> str:
         """A column in the words of a message."""
