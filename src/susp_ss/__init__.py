@@ -29,7 +29,8 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         ],
         "roads": ["Road"],
         "responses": ["covariance", "frequency_response", "psd", "simulate"],
-        "metrics": ["Response", "ride_metrics"],
+        "bridge": ["Response"],
+        "metrics": ["ride_metrics"],
         "sensitivities": ["sensitivity"],
         "surrogates": [
             "CoKriging",

@@ -1,4 +1,4 @@
-"""Ride metrics of a vehicle on a road, by any of three routes, and the bridge from vehicles to surrogates."""
+"""Ride metrics of a vehicle on a road, by any of three routes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
 
 from .responses.excitation import check_kinds
 from .responses.labels import QUANTITIES, labelled_outputs
@@ -218,114 +217,3 @@ def _first_refusal(metrics: Callable[[xr.Dataset], Any], designs: xr.Dataset) ->
     if said is None or not dims:
         return said
     return ValueError(f"{said} at ({', '.join(f'{dim}={one[dim].item()}' for dim in dims)})")
-
-
-class Response:
-    """One metric of one vehicle as a function of design variables: the bridge from vehicles to surrogates.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        One number for every parameter; the inputs replace some of them.
-    road : Road
-        What the vehicle runs over.
-    criterion : str
-        Name of a variable of `ride_metrics`.
-    at : str, optional
-        The point or corner, where the criterion has several.
-    inputs : sequence of str
-        Fields of the vehicle that the columns of X set, in SI units.
-    parameter : str, optional
-        A field that a second argument sets: ``response(X, value)``, for `ParameterBased`.
-
-    Attributes
-    ----------
-    parameter_value : float
-        The vehicle's own value of ``parameter``.
-    value_per_design : bool
-        True: the second argument may be one value for each design.
-
-    Raises
-    ------
-    TypeError, ValueError
-        An unknown criterion, place or field; each names what is available.
-
-    Examples
-    --------
-    >>> from susp_ss import QuarterCar, Response, Road
-    >>> response = Response(QuarterCar(), Road(), "sws", parameter="ms")
-    >>> X = [[18e3, 1500.0], [20e3, 1500.0]]
-    >>> response(X, 317.5).shape
-    (2,)
-    >>> bool((response(X, 400.0) > response(X)).all())
-    True
-    """
-
-    value_per_design = True
-
-    def __init__(
-        self,
-        vehicle: Vehicle,
-        road: Road,
-        criterion: str = "bacc",
-        at: str | None = None,
-        inputs: Sequence[str] = ("ks", "cs"),
-        parameter: str | None = None,
-    ):
-        check_kinds(vehicle, road)
-        if vehicle.sweep().size != 1 or vehicle.sweep().dims:
-            raise ValueError("Response needs a vehicle with one number for every parameter, got arrays")
-        if not isinstance(criterion, str):
-            raise TypeError(f"criterion must be the name of a metric, such as 'bacc', got {criterion!r}")
-        if isinstance(inputs, str) or not isinstance(inputs, Sequence):
-            raise TypeError(f'inputs must be a sequence of field names such as ("ks", "cs"), got {inputs!r}')
-        fields = [field.name for field in dataclasses.fields(vehicle)]
-        for name in (*inputs, *(() if parameter is None else (parameter,))):
-            if name not in fields:
-                raise ValueError(
-                    f"{type(vehicle).__name__} has no parameter named {name!r}, available: {', '.join(fields)}"
-                )
-        if len(inputs) == 0 or len({*inputs, parameter}) != len(inputs) + 1:
-            raise ValueError(f"inputs and parameter must be different fields, got {tuple(inputs)} and {parameter!r}")
-        self.vehicle, self.road, self.criterion, self.at = vehicle, road, criterion, at
-        self.inputs, self.parameter = tuple(inputs), parameter
-        self._check_place()
-        if parameter is not None:
-            value = getattr(vehicle, parameter)
-            if isinstance(value, float):
-                self.parameter_value = value
-
-    def _check_place(self) -> None:
-        metrics = ride_metrics(self.vehicle, self.road)
-        if self.criterion not in metrics:
-            raise ValueError(f"no criterion named {self.criterion!r}, available: {', '.join(map(str, metrics))}")
-        (dim,) = metrics[self.criterion].dims or (None,)
-        if dim is None and self.at is not None:
-            raise ValueError(
-                f"{self.criterion} of {type(self.vehicle).__name__} has one place only, got at={self.at!r}"
-            )
-        if dim is not None and self.at not in metrics[dim].values:
-            available = ", ".join(metrics[dim].values)
-            raise ValueError(f"no {dim} named {self.at!r}, available: {available}")
-
-    def __call__(self, X: ArrayLike, value: ArrayLike | None = None) -> NDArray[np.float64]:
-        """Evaluate the metric at designs X (n, inputs), with ``value`` for the parameter if one is named."""
-        names = getattr(X, "columns", self.inputs)
-        if set(names) != set(self.inputs):
-            raise ValueError(f"X must have the columns {', '.join(self.inputs)}, got {', '.join(map(str, names))}")
-        columns = np.asarray(X if names is self.inputs else X[list(self.inputs)])  # type: ignore[index, call-overload]
-        if columns.dtype.kind not in "iuf":
-            raise TypeError(f"X must be numbers, one row a design and a column for {', '.join(self.inputs)}, got {X!r}")
-        if columns.ndim != 2 or columns.shape[1] != len(self.inputs):
-            raise ValueError(
-                f"X must have shape (n, {len(self.inputs)}) with columns {', '.join(self.inputs)}, got {columns.shape}"
-            )
-        settings: dict[str, Any] = dict(zip(self.inputs, columns.T, strict=True))
-        if value is not None:
-            if self.parameter is None:
-                raise ValueError("a value was given, but Response(parameter=...) names no parameter to set")
-            if np.ndim(value) and np.shape(value) != (len(columns),):
-                raise ValueError(f"value must be one number or one a design, {(len(columns),)}, got {np.shape(value)}")
-            settings[self.parameter] = np.asarray(value) if np.ndim(value) else value
-        metric = ride_metrics(dataclasses.replace(self.vehicle, **settings), self.road)[self.criterion]
-        return (metric if self.at is None else metric.sel({metric.dims[-1]: self.at})).to_numpy()

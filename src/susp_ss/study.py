@@ -22,7 +22,8 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from .metrics import Response, ride_metrics
+from .bridge import Response
+from .metrics import ride_metrics
 from .published import ACCURACY, COEFFICIENTS, CRITERIA, SURROGATES, Published, comparison, index, published
 from .roads import Road
 from .surrogates import ExtrapolationWarning, ParameterBased, ResponseBased, VariableBased, accuracy

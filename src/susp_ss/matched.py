@@ -1,0 +1,173 @@
+"""A cheap vehicle that stands in for a car with more parameters than its own.
+
+A quarter car has one spring where a car has four: it takes the one of its corner, or the mean of those it stands for.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .bridge import ROAD_UNITS, Response, settable
+from .responses.labels import QUANTITIES
+from .roads import Road
+from .vehicles import FullCar, Vehicle
+from .vehicles.vehicle import Wheel
+
+Array = NDArray[np.float64]
+
+PLACES: dict[str, frozenset[str]] = {
+    **{corner: frozenset({corner}) for corner in FullCar.wheels},
+    "front": frozenset({"fr", "fl"}),
+    "rear": frozenset({"rr", "rl"}),
+    "right": frozenset({"fr", "rr"}),
+    "left": frozenset({"fl", "rl"}),
+}
+"""Corners of a car that a suffix such as ``_front`` means; without one, all."""
+
+AT_PLACES = ("bacc", "sws", "dtl", "damper_power")
+"""Metrics of a point or corner, not of the whole body."""
+
+
+class Matched:
+    """A cheap vehicle's metric as a function of the inputs of an expensive car, matched by their names.
+
+    An input's name is a parameter's (``ks``, ``ms``, ``speed``), with ``_fr``, ``_fl``, ``_rr``, ``_rl``, ``_front``,
+    ``_rear``, ``_right`` or ``_left`` if it belongs to some corners only. Each wheel of the cheap vehicle stands for
+    the corners at its end and on its side; where the vehicle has no ends or no sides, for those at ``place``. Its
+    parameter is the mean over these corners, with its own value at those that no column sets.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The cheap model, one number for every parameter.
+    road : Road
+        What it runs over.
+    criterion : str
+        Name of a variable of `ride_metrics`.
+    place : str, optional
+        Where the expensive car was measured: a corner, or ``"cg"``.
+    columns : sequence of str
+        Names of the columns of X, in SI units.
+    parameter : str, optional
+        A parameter of the cheap model that a second argument sets, as in `Response`.
+
+    Attributes
+    ----------
+    unknown : tuple of str
+        Columns that the cheap model has no parameter for, and ignores.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `Response`; two columns that set one corner's parameter; columns of which the cheap model knows none.
+
+    Examples
+    --------
+    >>> from susp_ss import QuarterCar, Response, Road
+    >>> from susp_ss.matched import Matched
+    >>> cheap = Matched(QuarterCar(), Road(), "sws", "rr", ("ks_front", "ks_rear", "cs", "gap"))
+    >>> cheap.unknown
+    ('ks_front', 'gap')
+    >>> bool(cheap([[18e3, 22e3, 1500.0, 0.1]]) == Response(QuarterCar(), Road(), "sws")([[22e3, 1500.0]]))
+    True
+    """
+
+    value_per_design = True
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        road: Road,
+        criterion: str,
+        place: str | None,
+        columns: Sequence[str],
+        parameter: str | None = None,
+    ):
+        self.vehicle, self.road, self.criterion, self.place = vehicle, road, criterion, place
+        self.columns, self.parameter = tuple(columns), parameter
+        shares = _shares(vehicle, place, self.columns)
+        if not shares:
+            raise ValueError(
+                f"{type(vehicle).__name__} has none of the inputs {', '.join(columns)}, available: "
+                f"{', '.join(settable(vehicle))}"
+            )
+        self._weights = np.array(list(shares.values())).T
+        self.unknown = tuple(name for name, row in zip(self.columns, self._weights, strict=True) if not row.any())
+        at = _own_place(vehicle, place) if criterion in AT_PLACES else None
+        self.response = Response(vehicle, road, criterion, at, tuple(shares), parameter)
+        self._rest = (1.0 - self._weights.sum(axis=0)) * [self.response.own(name) for name in shares]
+        if hasattr(self.response, "parameter_value"):
+            self.parameter_value = self.response.parameter_value
+
+    def __call__(self, X: ArrayLike, value: ArrayLike | None = None) -> Array:
+        """Evaluate the metric at designs X (n, columns), with ``value`` for the parameter if one is named."""
+        designs = np.asarray(X, dtype=float)
+        if designs.ndim != 2 or designs.shape[1] != len(self.columns):
+            raise ValueError(
+                f"X must have shape (n, {len(self.columns)}) with columns {', '.join(self.columns)}, got "
+                f"{designs.shape}"
+            )
+        return self.response(designs @ self._weights + self._rest, value)
+
+
+def metric_and_place(output: str) -> tuple[str, str | None]:
+    """Split ``"bacc_fr"`` into the metric and the place where it was measured; a name without a place has None.
+
+    Examples
+    --------
+    >>> from susp_ss.matched import metric_and_place
+    >>> metric_and_place("sws_rr"), metric_and_place("pitch_acc")
+    (('sws', 'rr'), ('pitch_acc', None))
+    """
+    metric, _, place = output.rpartition("_")
+    return (metric, place) if metric in QUANTITIES else (output, None)
+
+
+def corners_of(name: str) -> tuple[str, frozenset[str]]:
+    """Split ``"ks_front"`` into the parameter and the corners that have it; without a suffix, all."""
+    field, _, place = name.rpartition("_")
+    if place in PLACES and field in FullCar.per_corner:
+        return field, PLACES[place]
+    return name, frozenset(FullCar.wheels)
+
+
+def _shares(vehicle: Vehicle, place: str | None, columns: Sequence[str]) -> dict[str, Array]:
+    """How much of each column every input of the cheap model's `Response` takes."""
+    fields = {field.name for field in dataclasses.fields(vehicle)} | set(ROAD_UNITS)
+    shares: dict[str, Array] = {}
+    for wheel, where in vehicle.wheels.items():
+        stood_for = _stood_for(vehicle, where, place)
+        taken: dict[tuple[str, str], str] = {}
+        for i, name in enumerate(columns):
+            field, corners = (name, stood_for) if name in fields else corners_of(name)
+            if field not in fields or not corners & stood_for:
+                continue
+            for corner in corners & stood_for:
+                if taken.setdefault((field, corner), name) != name:
+                    raise ValueError(f"{taken[field, corner]!r} and {name!r} both set {field} at corner {corner}")
+            own = f"{field}_{wheel}" if field in vehicle.per_corner else field
+            shares.setdefault(own, np.zeros(len(columns)))[i] = len(corners & stood_for) / len(stood_for)
+    return shares
+
+
+def _stood_for(vehicle: Vehicle, wheel: Wheel, place: str | None) -> frozenset[str]:
+    """Corners of a car that a wheel of the cheap vehicle stands for."""
+    axles, sides = (set(column) for column in zip(*vehicle.wheels.values(), strict=True))
+    measured = FullCar.wheels.get(place or "")
+
+    def stands(corner: Wheel) -> bool:
+        end, flank = (wheel if len(own) > 1 else measured or corner for own in (axles, sides))
+        return corner == Wheel(end.axle, flank.side)
+
+    return frozenset(name for name, corner in FullCar.wheels.items() if stands(corner))
+
+
+def _own_place(vehicle: Vehicle, place: str | None) -> str | None:
+    """The cheap vehicle's name of a place on the car."""
+    if len(vehicle.wheels) == 1 or place not in FullCar.wheels:
+        return None if len(vehicle.wheels) == 1 else place
+    return next(name for name, wheel in vehicle.wheels.items() if place in _stood_for(vehicle, wheel, place))
