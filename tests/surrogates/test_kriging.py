@@ -120,7 +120,7 @@ def test_designs_are_predicted_in_batches(monkeypatch):
 def test_many_runs_are_warned_of(monkeypatch):
     monkeypatch.setattr(kriging, "MANY", 15)
     X = designs(16, 16)
-    with pytest.warns(UserWarning, match="Kriging of 16 runs takes long"):
+    with pytest.warns(UserWarning, match="Kriging of 16 runs takes some 0.6 minutes"):
         ss.Kriging().fit(X, cheap(X))
 
 

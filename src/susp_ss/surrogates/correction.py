@@ -60,6 +60,12 @@ class _Correction(TunedModel):
         self.intercept_, self.coef_ = float(coefficients[0]), coefficients[1:]
         return self
 
+    def _numbers(self) -> dict[str, Any]:
+        return {"intercept": self.intercept_, "coef": self.coef_}
+
+    def _restore(self, found: dict[str, Any]) -> None:
+        self.intercept_, self.coef_ = float(found["intercept"]), np.asarray(found["coef"], dtype=float)
+
     def predict(self, X: ArrayLike) -> Array:
         """Return the tuned response (n,) at the designs X (n, k)."""
         designs = self._designs(X)

@@ -115,6 +115,12 @@ class ParameterBased(TunedModel):
             )
         return self
 
+    def _numbers(self) -> dict[str, Any]:
+        return {"parameter": self.parameter_, "at_bound": self.at_bound_}
+
+    def _restore(self, found: dict[str, Any]) -> None:
+        self.parameter_, self.at_bound_ = float(found["parameter"]), found["at_bound"]
+
     def predict(self, X: ArrayLike) -> NDArray[np.float64]:
         """Return the cheap response (n,) at the designs X (n, k) with the tuned parameter."""
         designs = self._designs(X)

@@ -143,6 +143,14 @@ class Polynomial(Approximation):
         polynomial.lowest_, polynomial.highest_ = np.full_like(c[0], -np.inf), np.full_like(c[0], np.inf)
         return polynomial._expanded(polynomial._monomials(np.concatenate([c - h, c + h])), coefficients)
 
+    def _numbers(self) -> dict[str, Any]:
+        box, _ = self.monomials_
+        return {"box": [box.data_min_, box.data_max_], "coef": self.scaled_coef_}
+
+    def _restore(self, found: dict[str, Any]) -> None:
+        monomials = self._monomials(np.asarray(found["box"], dtype=float))
+        self._expanded(monomials, np.asarray(found["coef"], dtype=float))
+
     def predict(self, X: ArrayLike) -> Array:
         """Return the polynomial (n,) at the designs X (n, k)."""
         designs = self._designs(X)

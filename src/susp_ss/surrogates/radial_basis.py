@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from numbers import Integral, Real
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -106,6 +107,11 @@ class RadialBasis(Approximation):
                 f"a polynomial tail of degree {degree} needs at least {needed} different designs, got {n} sample(s)"
             )
         self.shape_ = _best_shape(Z, responses, self.kernel, degree) if shape is None else shape
+        self._interpolate(Z, responses)
+        return self
+
+    def _interpolate(self, Z: Array, responses: Array) -> None:
+        degree = self._degree()
         try:
             self.interpolator_ = RBFInterpolator(Z, responses, kernel=self.kernel, epsilon=self.shape_, degree=degree)
         except LinAlgError as error:
@@ -113,7 +119,18 @@ class RadialBasis(Approximation):
                 f"these designs do not determine the interpolant with kernel {self.kernel!r}, shape {self.shape_:g} "
                 f"and degree {degree}; take a larger shape, a lower degree, or designs that are not on a line"
             ) from error
-        return self
+
+    def _numbers(self) -> dict[str, Any]:
+        return {
+            "shape": self.shape_,
+            "designs": self.runs_[0],
+            "responses": self.runs_[1],
+        }
+
+    def _restore(self, found: dict[str, Any]) -> None:
+        self.shape_ = float(found["shape"])
+        designs, responses = self._found_runs(found)
+        self._interpolate(self.box_.transform(designs), responses)
 
     def predict(self, X: ArrayLike) -> Array:
         """Return the interpolant (n,) at the designs X (n, k)."""

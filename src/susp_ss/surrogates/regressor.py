@@ -38,6 +38,14 @@ class Surrogate(RegressorMixin, BaseEstimator):
         """Which of the designs X (n, k) lie outside the box of the runs, beyond rounding."""
         return np.any(self._beyond(self._columns(X)), axis=1)
 
+    def _numbers(self) -> dict[str, Any]:
+        """What a fit found beside its box, from which `_restore` makes the same predictions."""
+        raise NotImplementedError
+
+    def _restore(self, found: dict[str, Any]) -> None:
+        """Take up what a fit found, after its columns and box."""
+        raise NotImplementedError
+
     def _runs(self, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
         """Designs (n, k) and responses (n,) to be fitted, finite numbers and at least two."""
         designs, responses = validate_data(self, X, y, y_numeric=True, dtype=float, ensure_min_samples=2)
@@ -85,7 +93,13 @@ class TunedModel(Surrogate):
 
 
 class Approximation(Surrogate):
-    """A surrogate of the responses alone, on columns that run from -1 to 1 over the box of its runs."""
+    """A surrogate of the responses alone, on columns that run from -1 to 1 over the box of its runs.
+
+    Attributes
+    ----------
+    runs_ : (ndarray (n, k), ndarray (n,))
+        Designs and responses that an interpolant goes through.
+    """
 
     def _box(self, designs: Array) -> MinMaxScaler:
         """The box of the runs; every variable varies in it."""
@@ -109,4 +123,11 @@ class Approximation(Surrogate):
                 f"{float(responses[first[group[row]]])!r} and {float(responses[row])!r}; keep one, or their mean"
             )
         kept = np.sort(first)
-        return designs[kept], responses[kept]
+        self.runs_ = designs[kept], responses[kept]
+        return self.runs_
+
+    def _found_runs(self, found: dict[str, Any]) -> tuple[Array, Array]:
+        """Take up the runs that an interpolant keeps, and their box."""
+        self.runs_ = np.asarray(found["designs"], dtype=float), np.asarray(found["responses"], dtype=float)
+        self.box_ = self._box(self.runs_[0])
+        return self.runs_

@@ -1,0 +1,70 @@
+"""A surrogate that went through text predicts the same, to the last digit."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from sklearn.base import clone
+
+import susp_ss as ss
+from susp_ss.surrogates.numbers import KINDS, from_numbers, to_numbers
+
+
+def cheap(X, value=1.0):
+    X = np.asarray(X, dtype=float)
+    return 1.0 + value * np.sin(X[:, 0]) + X[:, 1] ** 2
+
+
+FITTED = [
+    ss.ResponseBased(cheap, nonnegative=True),
+    ss.ResponseBased(cheap, form="power"),
+    ss.VariableBased(cheap, terms=(True, False, True)),
+    ss.ParameterBased(cheap, bounds=(0.1, 3.0)),
+    ss.Polynomial(degree=3),
+    ss.RadialBasis(),
+    ss.RadialBasis("gaussian", degree=1),
+    ss.Kriging("linear"),
+    ss.CoKriging(cheap, samples=15),
+]
+
+
+@pytest.mark.parametrize("surrogate", FITTED, ids=repr)
+@pytest.mark.parametrize("named", [False, True])
+def test_through_text_and_back(surrogate, named):
+    rng = np.random.default_rng(5)
+    X, T = rng.uniform([0.3, 10.0], [3.0, 11.0], (25, 2)), rng.uniform([0.3, 10.0], [3.0, 11.0], (40, 2))
+    if named:
+        X, T = pd.DataFrame(X, columns=["ks", "cs"]), pd.DataFrame(T, columns=["ks", "cs"])
+    fitted = clone(surrogate).fit(X, 10.0 + cheap(X, 0.7) ** 1.01)
+    text = json.dumps(to_numbers(fitted), allow_nan=False)
+    again = from_numbers(json.loads(text), cheap)
+    np.testing.assert_array_equal(again.predict(T), fitted.predict(T))
+    np.testing.assert_array_equal(again.outside(T), fitted.outside(T))
+    if hasattr(fitted, "theta_") or hasattr(fitted, "rho_"):
+        np.testing.assert_array_equal(again.predict(T, return_std=True)[1], fitted.predict(T, return_std=True)[1])
+    for name in ("intercept_", "coef_", "parameter_", "terms_", "theta_", "rho_", "shape_"):
+        if hasattr(fitted, name):
+            np.testing.assert_array_equal(getattr(again, name), getattr(fitted, name))
+    if named:
+        with pytest.raises(ValueError, match="feature names"):
+            again.predict(T[["cs", "ks"]])
+
+
+def test_every_kind_is_tested():
+    assert {type(surrogate) for surrogate in FITTED} == set(KINDS.values())
+
+
+def test_taylor_has_no_box_in_text_either():
+    tangent = ss.Polynomial.taylor(lambda X: X[:, 0] ** 2, [3.0], degree=2)
+    again = from_numbers(json.loads(json.dumps(to_numbers(tangent), allow_nan=False)))
+    assert again.coef_.tolist() == tangent.coef_.tolist()
+    assert not again.outside([[1e6]]).any()
+
+
+def test_what_is_not_plain_is_refused():
+    X = np.arange(6.0)[:, None]
+    with pytest.raises(TypeError, match="random_state must be a plain value"):
+        to_numbers(ss.Kriging(random_state=np.random.RandomState(0)).fit(X, X[:, 0] ** 2))
+    with pytest.raises(ValueError, match="no surrogate named 'Oracle', available: ResponseBased"):
+        from_numbers({"kind": "Oracle"})
