@@ -43,6 +43,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
             "VariableBased",
             "accuracy",
         ],
+        "surrogate_file": ["load_surrogate"],
         "study": ["Study", "feasibility_study"],
     },
 )

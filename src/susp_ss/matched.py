@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .bridge import ROAD_UNITS, Response, settable
+from .metrics import ride_metrics
 from .responses.labels import QUANTITIES
 from .roads import Road
 from .vehicles import FullCar, Vehicle
@@ -171,3 +173,52 @@ def _own_place(vehicle: Vehicle, place: str | None) -> str | None:
     if len(vehicle.wheels) == 1 or place not in FullCar.wheels:
         return None if len(vehicle.wheels) == 1 else place
     return next(name for name, wheel in vehicle.wheels.items() if place in _stood_for(vehicle, wheel, place))
+
+
+@dataclass(frozen=True, eq=False)
+class LowFidelity:
+    """A cheap model and its road, to stand in for an expensive one whatever its inputs and outputs are.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One number for every parameter.
+    road : Road
+    place : str, optional
+        Where the expensive model was measured, for outputs whose names do not say so: a corner, or ``"cg"``.
+    parameter : str, optional
+        Of the vehicle or the road, which a parameter-based surrogate tunes.
+
+    Examples
+    --------
+    >>> from susp_ss import QuarterCar, Road
+    >>> from susp_ss.matched import LowFidelity
+    >>> cheap = LowFidelity(QuarterCar(), Road(), place="fr")
+    >>> cheap.response("sws", ("ks_front", "cs")).place, cheap.response("roll_acc", ("ks_front", "cs"))
+    ('fr', None)
+    """
+
+    vehicle: Vehicle
+    road: Road
+    place: str | None = None
+    parameter: str | None = None
+
+    def response(self, output: str, columns: Sequence[str], tuned: bool = False) -> Matched | None:
+        """Return the cheap response of an output to named columns, or None where the model has none.
+
+        ``tuned`` gives it the parameter as second argument.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `Matched`; an output without a place, where the model has several.
+        """
+        metric, place = metric_and_place(output)
+        place = self.place if place is None else place
+        if metric not in ride_metrics(self.vehicle, self.road):
+            return None
+        if place is None and metric in AT_PLACES and len(self.vehicle.wheels) > 1:
+            raise ValueError(
+                f"output {output!r} has several places on {type(self.vehicle).__name__}; name it, such as {output}_fr"
+            )
+        return Matched(self.vehicle, self.road, metric, place, columns, self.parameter if tuned else None)

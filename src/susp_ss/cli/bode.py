@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from .documents import vehicle_document
 from .folder import check_folder, write_together
 from .options import Force, Json, built_from, names, print_table, vehicle_from_options
 from .refusals import Refusal, refusals
@@ -120,8 +119,10 @@ def _csv(response: "xr.DataArray") -> str:
 
 
 def _document(vehicle: "Vehicle", response: "xr.DataArray") -> dict[str, Any]:
+    from ..vehicles.files import vehicle_table
+
     return {
-        "vehicle": vehicle_document(vehicle),
+        "vehicle": vehicle_table(vehicle),
         "frequency": {"unit": "Hz", "values": response.frequency.values.tolist()},
         "responses": [
             {

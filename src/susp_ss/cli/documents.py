@@ -6,17 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..roads import Road
-    from ..vehicles import Vehicle
-
-
-def vehicle_document(vehicle: "Vehicle") -> dict[str, Any]:
-    """Model and parameters of a vehicle, laid out as in a vehicle file."""
-    from ..vehicles.files import entry, model_name
-
-    return {
-        "model": model_name(vehicle),
-        "parameters": {field.name: entry(vehicle, field) for field in dataclasses.fields(vehicle)},
-    }
 
 
 def road_document(road: "Road") -> dict[str, Any]:

@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from .documents import json_number, road_document, vehicle_document
+from .documents import json_number, road_document
 from .options import Json, built_from, print_table, road_from_options, vehicle_from_options
 from .refusals import Refusal, refusals
 
@@ -71,8 +71,10 @@ def run(
 
 def _document(vehicle: "Vehicle", road: "Road", method: str, result: "xr.Dataset") -> dict[str, Any]:
     """Everything asked and answered, in SI units."""
+    from ..vehicles.files import vehicle_table
+
     return {
-        "vehicle": vehicle_document(vehicle),
+        "vehicle": vehicle_table(vehicle),
         "road": road_document(road),
         "method": method,
         "units": {name: data.attrs["units"] for name, data in result.items()},

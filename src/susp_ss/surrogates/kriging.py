@@ -22,6 +22,9 @@ TRENDS: dict[str, Callable[[int], int]] = {
     "quadratic": lambda k: (1 + k) * (2 + k) // 2,
 }
 
+# Bounds that no theta of the search, which keeps within 1e-6 and 20, is rounded out of.
+ANY = [1e-7, 100.0]
+
 # Of the search for the thetas, whose likelihood has many peaks.
 STARTS = 10
 
@@ -48,20 +51,18 @@ class _GaussianProcess(Approximation):
         variance = np.concatenate([self.model_.predict_variances(Z)[:, 0] for Z in batches])
         return mean, np.sqrt(np.maximum(variance, 0.0))
 
-    def _trained(self, model: type, *samples: tuple[Array, Array], thetas: Any = None) -> Any:
+    def _krige(self, model: type, *samples: tuple[Array, Array], thetas: Any = None) -> None:
         """SMT's model of the samples on the scaled columns, the cheapest first; its thetas by search if not given."""
-        search: dict[str, Any] = {"n_start": STARTS, "seed": self._seed()}
-        if thetas is not None:
-            search = {"hyper_opt": "NoOp", "theta0": thetas}
-        for Z, _ in samples:
-            if len(Z) > MANY and thetas is None:
-                minutes = MINUTES * (len(Z) / MANY) ** 3
-                warnings.warn(
-                    f"Kriging of {len(Z)} runs takes some {minutes:.1g} minutes, for the third power of their number; "
-                    f"{MANY} are plenty in a few variables",
-                    UserWarning,
-                    stacklevel=3,
-                )
+        scaled = [(self.box_.transform(designs), responses) for designs, responses in samples]
+        if thetas is None:
+            for designs, _ in samples:
+                _warn_of_time(len(designs))
+            thetas = self._trained(model, scaled, n_start=STARTS, seed=self._seed()).optimal_theta
+        # Trained again from the thetas alone, as from a file, where the same numbers then give the same digits.
+        self.scaled_thetas_ = np.asarray(thetas, dtype=float)
+        self.model_ = self._trained(model, scaled, hyper_opt="NoOp", theta0=self.scaled_thetas_, theta_bounds=ANY)
+
+    def _trained(self, model: type, samples: list[tuple[Array, Array]], **search: Any) -> Any:
         process = model(poly=self.trend, corr="squar_exp", print_global=False, **search)
         for level, (Z, y) in enumerate(samples):
             process.set_training_values(Z, y, name=level if level < len(samples) - 1 else None)
@@ -82,6 +83,16 @@ class _GaussianProcess(Approximation):
                 f"a {self.trend} trend in {self.n_features_in_} variable(s) needs at least {needed} different designs, "
                 f"got {runs} sample(s)"
             )
+
+
+def _warn_of_time(runs: int) -> None:
+    if runs > MANY:
+        warnings.warn(
+            f"Kriging of {runs} runs takes some {MINUTES * (runs / MANY) ** 3:.1g} minutes, for the third power of "
+            f"their number; {MANY} are plenty in a few variables",
+            UserWarning,
+            stacklevel=4,
+        )
 
 
 class Kriging(_GaussianProcess):
@@ -135,27 +146,25 @@ class Kriging(_GaussianProcess):
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Kriging:
         """Fit trend and process to the responses y (n,) at the designs X (n, k)."""
-        from smt.surrogate_models import KRG
-
-        designs, responses = self._distinct(X, y)
+        designs, _ = self._distinct(X, y)
         self._check_trend(len(designs))
         self.box_ = self._box(designs)
-        self._krige(self._trained(KRG, (self.box_.transform(designs), responses)))
+        self._process()
         return self
 
-    def _krige(self, model: Any) -> None:
-        self.model_ = model
-        self.theta_ = self.model_.optimal_theta * (self.box_.scale_ / self.model_.X_scale) ** 2
+    def _process(self, thetas: Any = None) -> None:
+        from smt.surrogate_models import KRG
+
+        self._krige(KRG, self.runs_, thetas=thetas)
+        self.theta_ = self.scaled_thetas_ * (self.box_.scale_ / self.model_.X_scale) ** 2
 
     def _numbers(self) -> dict[str, Any]:
         designs, responses = self.runs_
-        return {"scaled_theta": self.model_.optimal_theta, "designs": designs, "responses": responses}
+        return {"scaled_thetas": self.scaled_thetas_, "designs": designs, "responses": responses}
 
     def _restore(self, found: dict[str, Any]) -> None:
-        from smt.surrogate_models import KRG
-
-        designs, responses = self._found_runs(found)
-        self._krige(self._trained(KRG, (self.box_.transform(designs), responses), thetas=list(found["scaled_theta"])))
+        self._found_runs(found)
+        self._process(found["scaled_thetas"])
 
 
 class CoKriging(_GaussianProcess):
@@ -236,19 +245,18 @@ class CoKriging(_GaussianProcess):
         hypercube = qmc.LatinHypercube(self.n_features_in_, rng=self._seed()).random(self.samples)
         cheap = np.concatenate([designs, self.lowest_ + hypercube * (self.highest_ - self.lowest_)])
         self.cheap_runs_ = cheap, evaluated(self.low_fidelity, cheap)
-        self._krige()
+        self._process()
         return self
 
-    def _krige(self, thetas: Any = None) -> None:
+    def _process(self, thetas: Any = None) -> None:
         from smt.applications import MFK
 
-        samples = ((self.box_.transform(designs), responses) for designs, responses in (self.cheap_runs_, self.runs_))
-        self.model_ = self._trained(MFK, *samples, thetas=thetas)
+        self._krige(MFK, self.cheap_runs_, self.runs_, thetas=thetas)
         self.rho_ = float(self.model_.optimal_par[-1]["beta"][0, 0])
 
     def _numbers(self) -> dict[str, Any]:
         return {
-            "scaled_thetas": np.array(self.model_.optimal_theta),
+            "scaled_thetas": self.scaled_thetas_,
             "cheap_designs": self.cheap_runs_[0],
             "cheap_responses": self.cheap_runs_[1],
             "designs": self.runs_[0],
@@ -259,4 +267,4 @@ class CoKriging(_GaussianProcess):
         self._found_runs(found)
         designs, responses = (np.asarray(found[f"cheap_{name}"], dtype=float) for name in ("designs", "responses"))
         self.cheap_runs_ = designs, responses
-        self._krige(np.asarray(found["scaled_thetas"], dtype=float))
+        self._process(found["scaled_thetas"])

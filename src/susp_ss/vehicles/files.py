@@ -12,6 +12,7 @@ their defaults::
 
 from __future__ import annotations
 
+import codecs
 import dataclasses
 import tomllib
 from os import PathLike
@@ -108,7 +109,7 @@ def read_vehicle(path: str | PathLike[str]) -> Vehicle:
     """
     table = _toml(Path(path))
     try:
-        return _vehicle(table)
+        return vehicle_of(table)
     except (ValueError, TypeError) as error:
         raise ValueError(f"{path}: {error}") from error
 
@@ -156,6 +157,20 @@ def vehicle_text(vehicle: Vehicle) -> str:
     return "\n".join(lines)
 
 
+def vehicle_table(vehicle: Vehicle) -> dict[str, Any]:
+    """Model and parameters of a vehicle, laid out as in a vehicle file.
+
+    Raises
+    ------
+    ValueError
+        A parameter is an array.
+    """
+    return {
+        "model": model_name(vehicle),
+        "parameters": {field.name: entry(vehicle, field) for field in dataclasses.fields(vehicle)},
+    }
+
+
 def entry(vehicle: Vehicle, field: dataclasses.Field) -> dict[str, float | str]:
     """One parameter as a vehicle file holds it: its value, or its value at each wheel, and its unit."""
     value = getattr(vehicle, field.name)
@@ -166,14 +181,19 @@ def entry(vehicle: Vehicle, field: dataclasses.Field) -> dict[str, float | str]:
     return {**parts, "unit": field.metadata["unit"]}
 
 
-def _toml(path: Path) -> dict[str, Any]:
-    raw = path.read_bytes()
+def utf8_text(path: Path) -> str:
+    """The text of a file, without the mark that some editors begin with, or a ValueError with line and column."""
+    raw = path.read_bytes().removeprefix(codecs.BOM_UTF8)
     try:
-        text = raw.decode("utf-8-sig")
+        return raw.decode()
     except UnicodeDecodeError as error:
         before = raw[: error.start]
         line, column = before.count(b"\n") + 1, error.start - before.rfind(b"\n")
         raise ValueError(f"{path}: not UTF-8 text (at line {line}, column {column})") from None
+
+
+def _toml(path: Path) -> dict[str, Any]:
+    text = utf8_text(path)
     try:
         return tomllib.loads(text)
     # Not every failure of the parser is its own: numbers of too many digits, values nested too deeply.
@@ -181,7 +201,8 @@ def _toml(path: Path) -> dict[str, Any]:
         raise ValueError(f"{path}: not TOML: {error}") from None
 
 
-def _vehicle(table: dict[str, Any]) -> Vehicle:
+def vehicle_of(table: dict[str, Any]) -> Vehicle:
+    """Make the vehicle of a table laid out as in a vehicle file, or say in a ValueError what is wrong with it."""
     _refuse_unknown("key", table, ("model", "parameters"), "")
     if "model" not in table:
         raise ValueError(f'model is missing; write model = "full", or one of {", ".join(MODELS)}')
