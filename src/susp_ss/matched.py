@@ -115,6 +115,27 @@ class Matched:
             )
         return self.response(designs @ self._weights + self._rest, value)
 
+    def expressions(self) -> dict[str, str]:
+        """Each input of the cheap model as text in the names of the columns.
+
+        Examples
+        --------
+        >>> from susp_ss import QuarterCar, Road
+        >>> from susp_ss.matched import Matched
+        >>> Matched(QuarterCar(), Road(), "sws", "cg", ("ks_front", "ks_rear", "cs")).expressions()
+        {'ks': '(0.5*ks_front+0.5*ks_rear)', 'cs': 'cs'}
+        """
+        expressions = {}
+        for own, shares, rest in zip(self.response.inputs, self._weights.T.tolist(), self._rest.tolist(), strict=True):
+            terms = [_scaled(share, name) for share, name in zip(shares, self.columns, strict=True) if share]
+            terms += [repr(rest)] if rest else []
+            expressions[own] = terms[0] if terms == [terms[0]] and 1.0 in shares else f"({'+'.join(terms)})"
+        return expressions
+
+
+def _scaled(share: float, name: str) -> str:
+    return name if share == 1.0 else f"{share!r}*{name}"
+
 
 def metric_and_place(output: str) -> tuple[str, str | None]:
     """Split ``"bacc_fr"`` into the metric and the place where it was measured; a name without a place has None.
