@@ -1,8 +1,18 @@
 """What several tests use."""
 
+from typing import NamedTuple
+
 import pytest
 
 from susp_ss.cli import main
+
+
+class Ran(NamedTuple):
+    """What a command line came to."""
+
+    code: int
+    out: str
+    err: str
 
 
 @pytest.fixture
@@ -13,6 +23,6 @@ def run(capsys):
         with pytest.raises(SystemExit) as end:
             main(list(map(str, arguments)))
         captured = capsys.readouterr()
-        return end.value.code, captured.out, captured.err
+        return Ran(end.value.code, captured.out, captured.err)
 
     return ran

@@ -224,6 +224,17 @@ class LowFidelity:
     place: str | None = None
     parameter: str | None = None
 
+    def __post_init__(self) -> None:
+        if self.place not in (None, "cg", *FullCar.wheels):
+            raise ValueError(f"place must be one of {', '.join(FullCar.wheels)}, cg, got {self.place!r}")
+
+    def own(self, column: str) -> float | None:
+        """Return the model's own value of a column's parameter, over all its wheels, or None if it has none."""
+        field = column if column in vars(self.vehicle) else corners_of(column)[0]
+        if field in ROAD_UNITS:
+            return getattr(self.road, field)
+        return float(np.mean(self.vehicle._at_corners(field))) if field in vars(self.vehicle) else None
+
     def response(self, output: str, columns: Sequence[str], tuned: bool = False) -> Matched | None:
         """Return the cheap response of an output to named columns, or None where the model has none.
 

@@ -98,6 +98,12 @@ class SuspensionSurrogate:
                 predicted[name] = model.predict(X)
         return pd.DataFrame(predicted, index=X.index)
 
+    @property
+    def box(self) -> dict[str, tuple[float, float]]:
+        """Lowest and highest value of each input in the runs."""
+        model = next(iter(self.models.values()))
+        return dict(zip(self.inputs, zip(model.lowest_.tolist(), model.highest_.tolist(), strict=True), strict=True))
+
     def outside(self, designs: pd.DataFrame | Mapping[str, ArrayLike]) -> NDArray[np.bool_]:
         """Which of the designs (n,) lie outside the box of the runs."""
         X = self._designs(designs)

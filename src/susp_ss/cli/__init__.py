@@ -1,4 +1,4 @@
-"""The command line: ``susp-ss study | metrics | bode | sweep``.
+"""The command line: ``susp-ss study | metrics | bode | sweep | fit | predict``.
 
 Bad input ends with exit code 2 and one line on stderr; whatever else goes wrong is a bug and keeps its traceback.
 Numerical libraries are imported inside the commands, so that ``--help`` answers at once.
@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from . import bode, metrics, study, sweep
+from . import bode, fit, metrics, predict, study, sweep
 from .refusals import Refusal
 
 app = typer.Typer(add_completion=False, no_args_is_help=False, pretty_exceptions_enable=False)
@@ -19,6 +19,8 @@ app.command("study")(study.run)
 app.command("metrics")(metrics.run)
 app.command("bode")(bode.run)
 app.command("sweep")(sweep.run)
+app.command("fit")(fit.run)
+app.command("predict")(predict.run)
 
 
 def _print_version(wanted: bool) -> None:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import inspect
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,6 +14,9 @@ from rich.table import Table
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from ..roads import Road
     from ..vehicles import Vehicle
 
@@ -185,3 +189,29 @@ def flag(parameter: str) -> str:
 def names(given: list[str]) -> tuple[str, ...]:
     """Names from options that may be repeated and may each hold several, with commas."""
     return tuple(name.strip() for text in given for name in text.split(",") if name.strip())
+
+
+def nodes(where: str, text: str) -> "NDArray[np.float64]":
+    """Values of ``LO:HI:N``, or a refusal that says where."""
+    import numpy as np
+
+    parts = text.split(":")
+    if len(parts) != 3 or not parts[2].strip().isdecimal():
+        raise Refusal(f"{where} must be LO:HI:N with a whole number N, such as 12e3:25e3:100, got {text!r}")
+    low, high, count = number(where, parts[0]), number(where, parts[1]), int(parts[2])
+    if count < 1:
+        raise Refusal(f"{where}: N must be >= 1, got {text!r}")
+    if not low <= high or (low == high and count > 1):
+        raise Refusal(f"{where}: LO must be below HI, or equal to it with N = 1, got {text!r}")
+    return np.linspace(low, high, count)
+
+
+def number(where: str, text: str) -> float:
+    """A finite number, or a refusal that says where."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise Refusal(f"{where} must be a number, or a range LO:HI:N of numbers, got {text!r}")
+    return number

@@ -3,7 +3,6 @@
 import dataclasses
 import inspect
 import logging
-import math
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,12 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from .options import built_from, flag, road_from_options, vehicle_from_options
+from .options import built_from, flag, nodes, number, road_from_options, vehicle_from_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ..roads import Road
     from ..vehicles import Vehicle
 
@@ -77,8 +74,8 @@ def run(
     for name, (where, _) in given.items():
         if name not in known:
             raise Refusal(f"{where}: {type(vehicle).__name__} has no parameter {name!r}, available: {', '.join(known)}")
-    axes = {name: _nodes(where, text) for name, (where, text) in given.items() if ":" in text}
-    fixed = {name: _number(where, text) for name, (where, text) in given.items() if name not in axes}
+    axes = {name: nodes(where, text) for name, (where, text) in given.items() if ":" in text}
+    fixed = {name: number(where, text) for name, (where, text) in given.items() if name not in axes}
     if not axes:
         raise Refusal("nothing to sweep; pass --ks, --cs or --more with a range LO:HI:N")
     begun = time.perf_counter()
@@ -113,27 +110,3 @@ def _given(own: dict[str, str | None], more: list[str]) -> dict[str, tuple[str, 
             raise Refusal(f"--more {name}: {name} is given twice")
         given[name] = (f"--more {name}", text)
     return given
-
-
-def _nodes(where: str, text: str) -> "np.ndarray":
-    import numpy as np
-
-    parts = text.split(":")
-    if len(parts) != 3 or not parts[2].strip().isdecimal():
-        raise Refusal(f"{where} must be LO:HI:N with a whole number N, such as 12e3:25e3:100, got {text!r}")
-    low, high, count = _number(where, parts[0]), _number(where, parts[1]), int(parts[2])
-    if count < 1:
-        raise Refusal(f"{where}: N must be >= 1, got {text!r}")
-    if not low <= high or (low == high and count > 1):
-        raise Refusal(f"{where}: LO must be below HI, or equal to it with N = 1, got {text!r}")
-    return np.linspace(low, high, count)
-
-
-def _number(where: str, text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise Refusal(f"{where} must be a number, or a range LO:HI:N of numbers, got {text!r}")
-    return number

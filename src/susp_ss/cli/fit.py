@@ -1,0 +1,184 @@
+"""``susp-ss fit``: surrogates of an expensive model, from a table of its runs."""
+
+import inspect
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from .folder import check_folder
+from .options import Force, Json, built_from, names, road_from_options, vehicle_from_options
+from .refusals import Refusal, refusals
+
+if TYPE_CHECKING:
+    from ..roads import Road
+    from ..vehicles import Vehicle
+
+
+def cheap_vehicle(low_fidelity: str | None, **given: Any) -> "Vehicle":
+    """Make the cheap model that a file and options describe, by default a quarter car."""
+    return vehicle_from_options(low_fidelity or (None if given["vehicle"] else "quarter"), **given)
+
+
+def _renamed(parameter: inspect.Parameter) -> inspect.Parameter:
+    if parameter.name != "model":
+        return parameter
+    option = typer.Option(
+        metavar="NAME",
+        help="The cheap model: quarter, full, rigid-tyre, pitch-half or roll-half.",
+        show_default="the vehicle file's, or quarter",
+        rich_help_panel="Vehicle",
+    )
+    return parameter.replace(name="low_fidelity", annotation=Annotated[str | None, option])
+
+
+_OF_VEHICLE = inspect.signature(vehicle_from_options).parameters.values()
+cheap_vehicle.__signature__ = inspect.Signature([_renamed(p) for p in _OF_VEHICLE])  # type: ignore[attr-defined]
+
+
+@built_from(vehicle=cheap_vehicle, road=road_from_options)
+def run(
+    vehicle: "Vehicle",
+    road: "Road",
+    runs: Annotated[
+        Path, typer.Argument(metavar="RUNS", help="Table of expensive runs: .csv, .txt, .tsv, .parquet or .nc.")
+    ],
+    inputs: Annotated[
+        list[str],
+        typer.Option(
+            metavar="NAME,...",
+            help="What varies: parameters of the cheap model or its road, SI units unless the file or --units states "
+            "others; ks_front, cs_rl and the like belong to some corners. Where the column has another name: K_S=ks.",
+            show_default=False,
+        ),
+    ],
+    outputs: Annotated[
+        list[str],
+        typer.Option(
+            metavar="NAME,...",
+            help="What came out: bacc, sws, dtl, pitch_acc, roll_acc or damper_power, with the place if it matters "
+            "(sws_rr, bacc_cg). Where the column has another name: z_acc=bacc.",
+            show_default=False,
+        ),
+    ],
+    units: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=UNIT,...",
+            help="Units of columns, over those that the file states: ks=N/mm,dtl=kN.",
+            show_default=False,
+        ),
+    ] = None,
+    at: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PLACE",
+            help="Where outputs without a place were measured: fr, fl, rr, rl or cg.",
+            show_default=False,
+        ),
+    ] = None,
+    tune: Annotated[
+        str, typer.Option(metavar="PARAM", help="Parameter of the cheap model that the surrogate PB tunes.")
+    ] = "ms",
+    surrogate: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Take this surrogate, such as VB.", show_default="the one with the least error"
+        ),
+    ] = None,
+    folds: Annotated[
+        int | None,
+        typer.Option(
+            metavar="K",
+            help="Folds of the cross-validation.",
+            show_default="leave-one-out up to 30 runs, 10 folds beyond",
+        ),
+    ] = None,
+    held_out: Annotated[
+        int, typer.Option(metavar="N", help="Runs that neither fits nor choice may see, for a last check.")
+    ] = 0,
+    learning_curve: Annotated[
+        bool, typer.Option("--learning-curve", help="Also fit to fewer runs each, to see how many were needed.")
+    ] = False,
+    trust_units: Annotated[
+        bool, typer.Option("--trust-units", help="Take outputs that are orders of magnitude from the cheap model's.")
+    ] = False,
+    seed: Annotated[int, typer.Option(metavar="N", help="Of folds, held-out runs and Kriging.")] = 0,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Write surrogate.json, a report, tables and figures here; without it nothing is written.",
+            show_default=False,
+        ),
+    ] = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Tune a cheap model to runs of an expensive one, or find what does better.
+
+    Reads a table of runs, fits every surrogate, ranks them by cross-validated
+    error and prints the best, beside what the same runs give without the
+    cheap model. A line of units may follow the header.
+
+    susp-ss fit runs.csv --inputs ks,cs --outputs bacc,sws,dtl --out fit
+    """
+    if out is not None:
+        from ..fit_report import FILES
+
+        check_folder(out, FILES, force)
+    asked = {"inputs": _named("--inputs", inputs), "outputs": _named("--outputs", outputs)}
+    with refusals():
+        from .. import fit_runs, read_runs
+        from ..matched import LowFidelity
+
+        try:
+            table = read_runs(runs, **asked, units=_pairs("--units", units or []))
+        except ModuleNotFoundError as error:
+            raise Refusal(str(error)) from error
+        fit = fit_runs(
+            table,
+            LowFidelity(vehicle, road, at, tune),
+            choose=surrogate,
+            folds=folds,
+            held_out_runs=held_out,
+            learning=learning_curve,
+            trust_units=trust_units,
+            random_state=seed,
+            progress=Console(stderr=True).is_terminal,
+        )
+    if out is not None:
+        with refusals(), Console(stderr=True).status(f"writing {out}"):
+            fit.save(out, force=force)
+    if as_json:
+        from ..fit_report import document
+
+        typer.echo(json.dumps(document(fit), indent=2))
+    else:
+        typer.echo(fit.report(), nl=False)
+
+
+def _named(option: str, given: list[str]) -> dict[str, str]:
+    """Names in the package's terms, and the column of each."""
+    columns: dict[str, str] = {}
+    for text in names(given):
+        column, equals, name = (part.strip() for part in text.partition("="))
+        name = name if equals else column
+        if not name or not column:
+            raise Refusal(f"{option} must be NAME or COLUMN=NAME, such as K_S=ks, got {text!r}")
+        if name in columns:
+            raise Refusal(f"{option} names {name} twice")
+        columns[name] = column
+    return columns
+
+
+def _pairs(option: str, given: list[str]) -> dict[str, str]:
+    pairs = {}
+    for text in names(given):
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not name or not value:
+            raise Refusal(f"{option} must be NAME=UNIT, such as ks=N/mm, got {text!r}")
+        pairs[name] = value
+    return pairs

@@ -1,0 +1,216 @@
+"""A fit of surrogates as text for the terminal and as files in a folder."""
+
+from __future__ import annotations
+
+import math
+import os
+import tempfile
+import textwrap
+from collections.abc import Iterator
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from .matched import metric_and_place
+from .responses.labels import QUANTITIES
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .fitting import Fit, OutputFit
+
+SURROGATE, REPORT, ACCURACY, PREDICTIONS = "surrogate.json", "report.md", "accuracy.csv", "predictions.csv"
+
+FILES = (SURROGATE, REPORT, ACCURACY, PREDICTIONS)
+"""What a fit writes, beside ``figures/``."""
+
+
+def text(fit: Fit) -> str:
+    """The ranking, the choice, what the cheap model was worth, and the formula of each output."""
+    return "\n\n".join([_head(fit), *(_output(fit, output) for output in fit.outputs)]) + "\n"
+
+
+def _head(fit: Fit) -> str:
+    runs, cheap = fit.runs, fit.low_fidelity
+    box = fit.surrogate.box.items()
+    inputs = ", ".join(f"{name} {low:g} to {high:g} {runs.units[name]}".rstrip() for name, (low, high) in box)
+    return "\n".join(
+        [
+            _paragraph(f"{len(runs.rows)} runs of {runs.path}: {inputs}"),
+            _paragraph(f"Cheap model: {type(cheap.vehicle).__name__}; {cheap.road.describe()}"),
+            *(_paragraph(line) for line in _unknown(fit)),
+        ]
+    )
+
+
+def _unknown(fit: Fit) -> list[str]:
+    """What the cheap model could not be matched to."""
+    car, columns = type(fit.low_fidelity.vehicle).__name__, list(fit.surrogate.inputs)
+    lines = []
+    for output in fit.outputs:
+        cheap = fit.low_fidelity.response(output, columns)
+        if cheap is None:
+            lines.append(f"{car} has no {output}: it is approximated without a cheap model.")
+        elif cheap.unknown:
+            lines.append(f"For {output}, {car} does not feel {', '.join(cheap.unknown)}.")
+    return lines
+
+
+def _output(fit: Fit, output: str) -> str:
+    found, unit, y = fit.outputs[output], fit.runs.units[output], fit.runs.responses[output]
+    metric, place = metric_and_place(output)
+    meaning = QUANTITIES[metric][1] if metric in QUANTITIES else "an output of the runs"
+    comparison = found.comparison
+    lines = [
+        f"{output}: {meaning}{f' at {place}' if place else ''}, {y.min():.4g} to {y.max():.4g} {unit}".rstrip(),
+        _ranking(found, unit).to_string(),
+        f"Taken: {found.chosen}.",
+    ]
+    others = [name for name in comparison.tied if name != comparison.best]
+    if others:
+        lines.append(_paragraph(f"These runs cannot tell {comparison.best} from {', '.join(others)}."))
+    lines.append(_paragraph(_worth(fit, found)))
+    if found.learning is not None:
+        medians = _learned(found.learning, comparison.table.index)
+        lines.append(f"RMSE ({unit}) after fewer runs, median of draws\n{medians.to_string(na_rep='-')}")
+    lines += [_paragraph(f"Not fitted: {name} ({reason}).") for name, reason in comparison.refused.items()]
+    if found.formula is None:
+        lines.append("None of these has a formula to type.")
+    else:
+        lines.append(f"To type ({found.formula[0]}, SI units): {output} = {found.formula[1]}")
+    return "\n".join(lines)
+
+
+def _ranking(found: OutputFit, unit: str) -> pd.DataFrame:
+    """Every surrogate's errors at runs left out, as text; the cheap model as it is below."""
+    table = found.comparison.table
+    shown = pd.DataFrame(
+        {
+            "cheap model": table.low_fidelity.map({True: "yes", False: "no"}),
+            f"RMSE ({unit})": table.RMSE.map("{:.4g}".format),
+            "95 % of RMSE": [
+                f"{low:.3g} to {high:.3g}" for low, high in zip(table.RMSE_low, table.RMSE_high, strict=True)
+            ],
+            "R2": table.R2.map("{:.5f}".format),
+            "max error": table.MAE.map("{:.3g}".format),
+        }
+    )
+    if table.coverage.notna().any():
+        shown["in 95 %"] = table.coverage.map(lambda share: "" if math.isnan(share) else f"{100.0 * share:.0f} %")
+    if found.kept_back:
+        shown["RMSE held out"] = [f"{found.kept_back[name].accuracy.RMSE:.4g}" for name in table.index]
+    if found.untuned is not None:
+        shown.loc["cheap, untuned"] = ""
+        r2, rmse, most = found.untuned
+        shown.iloc[-1, [0, 1, 3, 4]] = ["yes", f"{rmse:.4g}", f"{r2:.5f}", f"{most:.3g}"]
+    return shown.rename_axis(None)
+
+
+def _worth(fit: Fit, found: OutputFit) -> str:
+    """The baseline: the same runs without the cheap model."""
+    if found.untuned is None:
+        return "There is no cheap model to compare with."
+    gain = found.comparison.gain()
+    bounds = f" (95 %: {gain.low:.2g} to {gain.high:.2g})" if math.isfinite(gain.low) else ""
+    return (
+        f"Without the cheap model, the same {len(fit.runs.rows)} runs give {gain.baseline}, with {gain.ratio:.2g} "
+        f"times the RMSE of {gain.tuned}{bounds}."
+    )
+
+
+def _learned(learning: pd.DataFrame, order: pd.Index) -> pd.DataFrame:
+    """Median errors by number of runs, surrogates in the order of the ranking."""
+    medians = learning.groupby(["surrogate", "runs"]).RMSE.median().unstack().reindex(order)
+    return medians.map("{:.3g}".format, na_action="ignore").rename_axis(None, axis=1).rename_axis(None)
+
+
+def _paragraph(sentence: str) -> str:
+    return textwrap.fill(sentence, 110)
+
+
+def save(fit: Fit, folder: str | PathLike[str], force: bool) -> None:
+    """Write a fit's files; see `Fit.save`."""
+    if not isinstance(folder, (str, PathLike)):
+        raise TypeError(f"folder must be a path, got {folder!r}")
+    target = Path(folder)
+    if target.exists() and not target.is_dir():
+        raise NotADirectoryError(f"cannot write results to {target}: it is a file, not a folder")
+    held = [name for name in FILES if (target / name).exists()]
+    if held and not force:
+        raise FileExistsError(f"{target} holds results already, such as {held[0]}; pass force=True to replace them")
+    target.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".susp_ss-", dir=target) as scratch:
+        written = Path(scratch)
+        fit.surrogate.save(written / SURROGATE)
+        accuracy_table(fit).to_csv(written / ACCURACY, index=False)
+        predictions(fit).to_csv(written / PREDICTIONS, index=False)
+        (written / "figures").mkdir()
+        pictures = []
+        for name, title, figure in _figures(fit):
+            figure.savefig(written / "figures" / name)
+            pictures.append(f"## {title}\n\n![{title}](figures/{name})\n")
+        report = [f"# Surrogates of {fit.runs.path.name}", "", "```text", text(fit) + "```", "", *pictures]
+        (written / REPORT).write_text("\n".join(report), encoding="utf-8")
+        (target / "figures").mkdir(exist_ok=True)
+        for path in sorted(written.rglob("*.*")):
+            os.replace(path, target / path.relative_to(written))
+
+
+def accuracy_table(fit: Fit) -> pd.DataFrame:
+    """Every surrogate of every output, one row each: its accuracy at runs left out."""
+    tables = []
+    for name, found in fit.outputs.items():
+        table = found.comparison.table.reset_index()
+        table.insert(0, "output", name)
+        table.insert(1, "unit", fit.runs.units[name])
+        table.insert(3, "taken", table.surrogate == found.chosen)
+        tables.append(table)
+    return pd.concat(tables, ignore_index=True)
+
+
+def predictions(fit: Fit) -> pd.DataFrame:
+    """The runs, where they stand in their file, and what each surrogate predicted for them when they were left out."""
+    table = pd.concat([fit.runs.designs, fit.runs.responses], axis=1).reset_index(drop=True)
+    table.insert(0, "row", fit.runs.rows)
+    left_out = {
+        f"{output}: {name}": validation.predicted
+        for output, found in fit.outputs.items()
+        for name, validation in found.comparison.validations.items()
+    }
+    return table.assign(**left_out)
+
+
+def _figures(fit: Fit) -> Iterator[tuple[str, str, Figure]]:
+    """Name, title and figure: the surrogate taken, beside the best with and the best without a cheap model."""
+    from .plots import learning_curves, parity, residuals
+
+    for output, found in fit.outputs.items():
+        comparison, unit = found.comparison, fit.runs.units[output]
+        wanted = (found.chosen, None if found.untuned is None else comparison.gain().tuned, comparison.baseline)
+        shown = {name: comparison.validations[name] for name in wanted if name is not None}
+        yield f"parity_{output}.png", f"{output}: predicted against expensive, runs left out", parity(shown, unit)
+        yield f"residuals_{output}.png", f"{output}: errors, runs left out", residuals(shown, unit)
+        if found.learning is not None:
+            picture = learning_curves(found.learning, unit)
+            yield f"learning_{output}.png", f"{output}: error against number of runs", picture
+
+
+def document(fit: Fit) -> dict[str, Any]:
+    """The ranking, the choice and the formula of each output, as JSON knows it: NaN becomes null."""
+    outputs = {}
+    for output, found in fit.outputs.items():
+        ranking = found.comparison.table.reset_index().astype(object)
+        outputs[output] = {
+            "unit": fit.runs.units[output],
+            "taken": found.chosen,
+            "tied": list(found.comparison.tied),
+            "baseline": found.comparison.baseline,
+            "ranking": ranking.where(ranking.notna(), None).to_dict("records"),
+            "untuned": None if found.untuned is None else found.untuned._asdict(),
+            "held_out": {name: kept.accuracy._asdict() for name, kept in found.kept_back.items()},
+            "not_fitted": found.comparison.refused,
+            "formula": None if found.formula is None else dict(zip(("surrogate", "text"), found.formula, strict=True)),
+        }
+    return {"runs": len(fit.runs.rows), "inputs": fit.surrogate.inputs, "outputs": outputs}

@@ -1,0 +1,79 @@
+"""Expensive runs in folds, and the surrogates to be fitted to them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import clone
+from sklearn.utils.validation import check_X_y
+
+from .regressor import Array
+
+# Up to this many runs each is left out alone; beyond, a tenth of them at a time.
+ALONE, FOLDS = 30, 10
+
+# A fold: the rows to fit, and those to predict.
+Fold = tuple[NDArray[np.intp], NDArray[np.intp]]
+
+
+def checked_runs(X: Any, y: ArrayLike) -> tuple[Any, Array]:
+    """Designs, an array or the DataFrame that they were, and responses; finite numbers, at least two."""
+    designs, responses = check_X_y(X, y, dtype=float, y_numeric=True, ensure_min_samples=2)
+    return (X if isinstance(X, pd.DataFrame) else designs), responses.astype(float)
+
+
+def rows(X: Any, which: NDArray[Any]) -> Any:
+    """Some designs of an array or a DataFrame."""
+    return X.iloc[which] if isinstance(X, pd.DataFrame) else X[which]
+
+
+def same_design(X: Any) -> NDArray[np.intp]:
+    """A number for each design (n,), the same for equal ones, counted from 0."""
+    return np.unique(np.asarray(X, dtype=float), axis=0, return_inverse=True)[1].ravel()
+
+
+def unfitted(surrogate: Any) -> Any:
+    """A copy to be fitted, of the same low-fidelity model, which scikit-learn's `clone` would copy with its tables."""
+    if not hasattr(surrogate, "low_fidelity"):
+        return clone(surrogate)
+    settings = surrogate.get_params(deep=False)
+    return type(surrogate)(
+        **{name: value if name == "low_fidelity" else clone(value, safe=False) for name, value in settings.items()}
+    )
+
+
+def uses_low_fidelity(surrogate: Any) -> bool:
+    """Whether a surrogate, or a step of its pipeline, has a cheap model."""
+    return any(name.split("__")[-1] == "low_fidelity" for name in surrogate.get_params())
+
+
+def split(X: Any, folds: Any, random_state: int | None) -> list[Fold]:
+    """Folds of the designs, equal ones in one fold; of one design each by default, or ten beyond 30 runs."""
+    from sklearn.model_selection import GroupKFold
+
+    design = same_design(X)
+    different = int(design.max()) + 1
+    if folds is None:
+        folds = different if len(design) <= ALONE else min(FOLDS, different)
+    if isinstance(folds, bool) or not isinstance(folds, Integral) or not 2 <= int(folds) <= different:
+        raise ValueError(f"folds must be a whole number from 2 to the {different} different designs, got {folds!r}")
+    return list(GroupKFold(int(folds), shuffle=True, random_state=random_state).split(design, groups=design))
+
+
+def check_mapping(surrogates: Any) -> None:
+    """Say when surrogates have no names."""
+    if not isinstance(surrogates, Mapping) or not surrogates:
+        raise TypeError(f"surrogates must map names to regressors, got {surrogates!r}")
+
+
+def shown(cases: Iterable[Any], what: str, progress: bool) -> Iterator[Any]:
+    """The cases, with a bar on stderr if asked for."""
+    from rich.console import Console
+    from rich.progress import track
+
+    return iter(track(list(cases), what, console=Console(stderr=True), transient=True, disable=not progress))
