@@ -18,6 +18,7 @@ test: .venv/installed-test
 
 bench: .venv/installed
 	$(BIN)/python benchmarks/ride_metrics.py
+	$(BIN)/python benchmarks/surrogates.py
 
 .venv/installed: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv

@@ -169,11 +169,11 @@ def plot(cases, names, by_designs):
     return figure
 
 
-def write(folder, text, figure):
-    """Replace the results, each as a whole."""
+def write(folder, name, text, figure):
+    """Replace the results of a name, each as a whole."""
     folder.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".bench-", dir=folder) as scratch:
-        table, image = Path(scratch, "ride_metrics.md"), Path(scratch, "ride_metrics.png")
+        table, image = Path(scratch, f"{name}.md"), Path(scratch, f"{name}.png")
         table.write_text(text, encoding="utf-8")
         figure.savefig(image, dpi=200)
         for new in (table, image):

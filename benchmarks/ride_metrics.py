@@ -229,7 +229,7 @@ def main():
     for case in CASES:
         check_agreement(case)
     text = markdown(CASES, CONTENDERS, RUNS, by_designs, by_outputs, load, took)
-    write(RESULTS, text, plot(CASES, CONTENDERS, by_designs))
+    write(RESULTS, "ride_metrics", text, plot(CASES, CONTENDERS, by_designs))
     print(text)
 
     ours = by_designs["full car", OURS, 1000].median

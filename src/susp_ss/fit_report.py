@@ -15,6 +15,7 @@ import pandas as pd
 
 from .matched import metric_and_place
 from .responses.labels import QUANTITIES
+from .surrogates import ParameterBased
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -76,6 +77,11 @@ def _output(fit: Fit, output: str) -> str:
         medians = _learned(found.learning, comparison.table.index)
         lines.append(f"RMSE ({unit}) after fewer runs, median of draws\n{medians.to_string(na_rep='-')}")
     lines += [_paragraph(f"Not fitted: {name} ({reason}).") for name, reason in comparison.refused.items()]
+    lines += [
+        f"{name} sits on its {model.at_bound_} bound, {model.parameter_:g}: there is no good value within."
+        for name, model in found.models.items()
+        if isinstance(model, ParameterBased) and model.at_bound_
+    ]
     if found.formula is None:
         lines.append("None of these has a formula to type.")
     else:

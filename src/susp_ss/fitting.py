@@ -7,6 +7,7 @@ itself, and stands beside the best that needs no cheap model: what the same runs
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from dataclasses import dataclass
 from numbers import Integral
 from os import PathLike
@@ -54,8 +55,8 @@ class OutputFit:
         Every surrogate's cross-validation, best first.
     chosen : str
         The surrogate taken.
-    model : Surrogate
-        It, fitted to all runs but those held out.
+    models : dict of str to Surrogate
+        Every surrogate, fitted to all runs but those held out.
     untuned : Accuracy or None
         How well the cheap model does as it is, if it has this output.
     kept_back : dict of str to Validation
@@ -68,11 +69,16 @@ class OutputFit:
 
     comparison: Comparison
     chosen: str
-    model: Surrogate
+    models: dict[str, Surrogate]
     untuned: Accuracy | None
     kept_back: dict[str, Validation]
     learning: pd.DataFrame | None
     formula: tuple[str, str] | None
+
+    @property
+    def model(self) -> Surrogate:
+        """The surrogate taken, fitted."""
+        return self.models[self.chosen]
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,30 +205,33 @@ def fit_runs(
     cheap = {str(output): low_fidelity.response(str(output), columns) for output in runs.responses}
     if not trust_units:
         _check_units(runs, low_fidelity, cheap)
-    taken, kept = _split(runs, held_out_runs, random_state)
-    found = {}
+    tried = {}
     for output, f in cheap.items():
         tuned = low_fidelity.response(output, columns, tuned=True) if f and _tunable(low_fidelity, f) else None
-        surrogates = candidates(len(columns), f, tuned, random_state)
-        if choose is not None and choose not in surrogates:
-            raise ValueError(f"no surrogate of {output} named {choose!r}, available: {', '.join(surrogates)}")
+        tried[output] = candidates(len(columns), f, tuned, random_state)
+        if choose is not None and choose not in tried[output]:
+            raise ValueError(f"no surrogate of {output} named {choose!r}, available: {', '.join(tried[output])}")
+    taken, kept = _split(runs, held_out_runs, random_state)
+    found = {}
+    for output, surrogates in tried.items():
         X, y = taken.designs, taken.responses[output].to_numpy()
-        comparison = compare(surrogates, X, y, folds, random_state, progress=progress)
-        if choose in comparison.refused:
-            raise ValueError(f"{choose} cannot be fitted to {output}: {comparison.refused[choose]}")
-        fitted = {name: unfitted(surrogates[name]).fit(X, y) for name in comparison.table.index}
-        typed = (
-            (name, formula(model, tuned if isinstance(model, ParameterBased) else f)) for name, model in fitted.items()
-        )
-        chosen = comparison.best if choose is None else choose
-        at = kept.responses[output].to_numpy()
+        with warnings.catch_warnings():
+            # Of each fold and draw; the report says it once, of the fit to all runs.
+            warnings.filterwarnings("ignore", "the tuned parameter")
+            comparison = compare(surrogates, X, y, folds, random_state, progress=progress)
+            if choose in comparison.refused:
+                raise ValueError(f"{choose} cannot be fitted to {output}: {comparison.refused[choose]}")
+            learned = learning_curve_of_runs(surrogates, X, y, repeats=3, progress=progress) if learning else None
+            models = {name: unfitted(surrogates[name]).fit(X, y) for name in comparison.table.index}
+        f, at = cheap[output], kept.responses[output].to_numpy()
+        typed = ((name, formula(model, getattr(model, "low_fidelity", None))) for name, model in models.items())
         found[output] = OutputFit(
             comparison,
-            chosen,
-            fitted[chosen],
+            comparison.best if choose is None else choose,
+            models,
             None if f is None else accuracy(y, evaluated(f, X.to_numpy())),
-            {name: held_out(model, kept.designs, at) for name, model in fitted.items()} if held_out_runs else {},
-            learning_curve_of_runs(surrogates, X, y, repeats=3, progress=progress) if learning else None,
+            {name: held_out(model, kept.designs, at) for name, model in models.items()} if held_out_runs else {},
+            learned,
             next(((name, text) for name, text in typed if text is not None), None),
         )
     return Fit(taken, low_fidelity, found)

@@ -171,7 +171,7 @@ def test_runs_at_hand_with_a_known_truth():
     tables = [ss.learning_curve_of_runs(surrogates, X, expensive(X), repeats=2) for _ in range(2)]
     pd.testing.assert_frame_equal(*map(without_time, tables))
     errors = tables[0].pivot_table("RMSE", "runs", "surrogate")
-    assert errors.index.tolist() == [5, 10, 20]
+    assert errors.index.tolist() == [5, 10, 20, 24]
     assert (errors["RB"] < 1e-9).all()
     assert (errors["plane"] > 0.1).all()
 
@@ -216,5 +216,6 @@ def test_runs_at_hand_must_leave_some_to_test_at():
     for budget in (7, 8, 9):
         with pytest.raises(ValueError, match=f"budgets must leave two or more of the 8 runs to test at, got {budget}"):
             ss.learning_curve_of_runs({"plane": ss.Polynomial(1)}, X, X[:, 0], (budget,))
-    with pytest.raises(ValueError, match="budgets are needed for so few as 5 runs"):
-        ss.learning_curve_of_runs({"plane": ss.Polynomial(1)}, X[:5], X[:5, 0])
+    for n, most in ((4, 2), (5, 3), (8, 6)):
+        table = ss.learning_curve_of_runs({"plane": ss.Polynomial(1)}, X[:n], X[:n, 0], repeats=1)
+        assert table["runs"].max() == most

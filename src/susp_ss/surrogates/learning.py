@@ -125,7 +125,8 @@ def learning_curve_of_runs(
     y : array_like, (n,)
         Responses of the expensive model.
     budgets : sequence of int, optional
-        Numbers of runs to fit, drawn at random; by default those of `learning_curve` up to four fifths of the runs.
+        Numbers of runs to fit, drawn at random; by default those of `learning_curve` below four fifths of the runs, and
+        these.
     repeats : int
         Draws of each size; within one, the smaller are parts of the larger.
     random_state : int
@@ -149,14 +150,13 @@ def learning_curve_of_runs(
     >>> X = np.linspace(0.0, 1.0, 20)[:, None]
     >>> table = learning_curve_of_runs({"line": Polynomial(1)}, X, 2.0 * X[:, 0], repeats=2)
     >>> table["runs"].tolist(), bool((table["RMSE"] < 1e-12).all())
-    ([5, 5, 10, 10], True)
+    ([5, 5, 10, 10, 16, 16], True)
     """
     X, y = checked_runs(X, y)
     design, n, seed = same_design(X), len(y), _whole("random_state", random_state, 0)
     if budgets is None:
-        budgets = [runs for runs in BUDGETS if runs <= FITTED * n]
-        if not budgets:
-            raise ValueError(f"budgets are needed for so few as {n} runs; pass some")
+        most = max(1, min(int(FITTED * n), n - 2))
+        budgets = [*(runs for runs in BUDGETS if runs < most), most]
 
     def draw(runs: int, repeat: int) -> tuple[Runs, Runs]:
         drawn = np.random.default_rng([seed, repeat]).permutation(n)[:runs]

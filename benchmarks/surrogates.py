@@ -1,0 +1,168 @@
+"""Surrogates of a full car at equal numbers of its runs: ours beside plain SMT and scikit-learn, error and time.
+
+The full car's exact metrics stand for the expensive model: class B at 20 m/s on isotropic tracks, front right corner.
+All get the same Latin hypercubes over springs and dampers and are tested at 512 other designs. SMT's ``KRG`` is given
+designs in physical units and keeps its defaults; scikit-learn's ``GaussianProcessRegressor`` is given scaled columns,
+a length for each, and 9 restarts. Then what ours take on the study's 400 nodes. Writes a table and a plot under
+``benchmarks/results``. Run with ``make bench``.
+"""
+
+import os
+import time
+import warnings
+from statistics import median
+
+import numpy as np
+from report import digits, processor, rows, write
+from rich.console import Console
+from ride_metrics import RESULTS
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.gaussian_process import GaussianProcessRegressor
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+from smt.surrogate_models import KRG
+
+import susp_ss as ss
+from susp_ss.plots import learning_curves
+from susp_ss.study import DAMPING, STIFFNESS, designs, grid
+
+ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
+BOX = {"ks": STIFFNESS, "cs": DAMPING}
+CRITERIA = {"bacc": "m/s^2", "sws": "m", "dtl": "N"}
+BUDGETS = (5, 10, 20, 40, 80)
+REPEATS = 5
+
+SMT, SKLEARN = "plain SMT KRG", "scikit-learn GPR"
+
+# Asserted: seconds of a fit to all nodes, and of a million predictions.
+LONGEST_FIT, LONGEST_PREDICTION = 0.05, 1.0
+
+# Asserted, medians over the criteria: error of the better peer over that of the best of ours, by number of runs.
+LEAST_GAIN = {5: 2.0, 10: 2.0, 20: 2.0}
+
+
+class PlainKriging(RegressorMixin, BaseEstimator):
+    """SMT's Kriging as its documentation shows it."""
+
+    def fit(self, X, y):
+        self.model_ = KRG(theta0=[1e-2] * X.shape[1], print_global=False)
+        self.model_.set_training_values(np.asarray(X), np.asarray(y))
+        self.model_.train()
+        return self
+
+    def predict(self, X):
+        return self.model_.predict_values(np.asarray(X))[:, 0]
+
+
+def cheap(criterion, parameter=None):
+    return ss.Response(ss.QuarterCar(), ROAD, criterion, parameter=parameter)
+
+
+def tuned(criterion):
+    return {
+        "RB": ss.ResponseBased(cheap(criterion)),
+        "VB": ss.VariableBased(cheap(criterion)),
+        "PB": ss.ParameterBased(cheap(criterion, "ms")),
+    }
+
+
+def contenders(criterion):
+    kernel = ConstantKernel() * RBF([1.0] * len(BOX))
+    process = GaussianProcessRegressor(kernel, normalize_y=True, n_restarts_optimizer=9, random_state=0)
+    return {
+        **tuned(criterion),
+        "CoKriging": ss.CoKriging(cheap(criterion)),
+        "Kriging": ss.Kriging(),
+        SMT: PlainKriging(),
+        SKLEARN: make_pipeline(StandardScaler(), process),
+    }
+
+
+def seconds(run, repeats):
+    taken = []
+    for _ in range(repeats + 1):
+        start = time.perf_counter()
+        run()
+        taken.append(time.perf_counter() - start)
+    return median(taken[1:])
+
+
+def on_all_nodes():
+    """Seconds of each fit to the study's nodes and of a million predictions, by surrogate: the longest criterion."""
+    X = designs(*grid(20, 20))
+    many = np.tile(X, (2500, 1))
+    longest = {}
+    for criterion in CRITERIA:
+        y = ss.Response(ss.FullCar(), ROAD, criterion, at="fr")(X)
+        for name, surrogate in tuned(criterion).items():
+            times = seconds(lambda s=surrogate, y=y: s.fit(X, y), 9), seconds(lambda s=surrogate: s.predict(many), 3)
+            longest[name] = np.maximum(longest.get(name, 0.0), times)
+    return longest
+
+
+def curves(say):
+    tables = {}
+    for criterion in CRITERIA:
+        say(f"{criterion}: {REPEATS} plans each of {', '.join(map(str, BUDGETS))} runs")
+        expensive = ss.Response(ss.FullCar(), ROAD, criterion, at="fr")
+        tables[criterion] = ss.learning_curve(contenders(criterion), expensive, BOX, BUDGETS, repeats=REPEATS)
+    return tables
+
+
+def markdown(tables, fits, load, took):
+    text = [
+        "# Surrogates of a full car at equal numbers of its runs",
+        "",
+        f"{processor()}, {os.cpu_count()} cores. One run of {took:.0f} s; load average at its start {load:.1f}. Medians "
+        f"of {REPEATS} Latin hypercubes of each size; errors at 512 other designs. RB, "
+        "VB, PB and CoKriging also use the quarter car, whose runs are free; the others see the full car's alone.",
+        "",
+    ]
+    for criterion, unit in CRITERIA.items():
+        medians = tables[criterion].groupby(["surrogate", "runs"], sort=False)[["RMSE", "seconds"]].median()
+        for what, title in (("RMSE", f"{criterion}, RMSE in {unit}"), ("seconds", f"{criterion}, seconds of a fit")):
+            wide = medians[what].unstack()
+            body = [
+                [name, *(f"{value:.2g}" for value in row)] for name, row in zip(wide.index, wide.values, strict=True)
+            ]
+            text += [f"## {title}", "", *rows(["runs", *wide.columns], body), ""]
+    body = [[name, digits(1e3 * fit), digits(predict)] for name, (fit, predict) in fits.items()]
+    text += ["## The tuned models on the study's 400 nodes", "", "The slowest of the three criteria.", ""]
+    return "\n".join([*text, *rows(["", "a fit, ms", "a million predictions, s"], body), ""])
+
+
+def gains(tables):
+    """Error of the better peer over that of the best of ours by number of runs, median over the criteria."""
+    found = {}
+    for runs in BUDGETS:
+        ratios = []
+        for table in tables.values():
+            errors = table[table.runs == runs].groupby("surrogate").RMSE.median()
+            ratios.append(errors[[SMT, SKLEARN]].min() / errors.drop([SMT, SKLEARN]).min())
+        found[runs] = median(ratios)
+    return found
+
+
+def main():
+    # A length at its bound is the peer's matter.
+    warnings.filterwarnings("ignore", category=ConvergenceWarning)
+    warnings.filterwarnings("ignore", "the tuned parameter", UserWarning)
+    load, start = os.getloadavg()[0], time.perf_counter()
+    fits, tables = on_all_nodes(), curves(Console(stderr=True, highlight=False).print)
+    text = markdown(tables, fits, load, time.perf_counter() - start)
+    write(RESULTS, "surrogates", text, learning_curves(tables["bacc"], "m/s²"))
+    print(text)
+    gain = gains(tables)
+    print("better peer's error over our best's:", ", ".join(f"{ratio:.2g} at {runs}" for runs, ratio in gain.items()))
+    for name, (fit, predict) in fits.items():
+        if fit > LONGEST_FIT or predict > LONGEST_PREDICTION:
+            raise SystemExit(f"{name} takes {fit:.3g} s to fit and {predict:.3g} s for a million predictions")
+    for runs, least in LEAST_GAIN.items():
+        if gain[runs] < least:
+            raise SystemExit(f"the better peer has {gain[runs]:.2g} times our error at {runs} runs, not {least:g}")
+
+
+if __name__ == "__main__":
+    main()
