@@ -116,17 +116,15 @@ def markdown(tables, fits, load, took):
         "# Surrogates of a full car at equal numbers of its runs",
         "",
         f"{processor()}, {os.cpu_count()} cores. One run of {took:.0f} s; load average at its start {load:.1f}. Medians "
-        f"of {REPEATS} Latin hypercubes of each size; errors at 512 other designs. RB, "
-        "VB, PB and CoKriging also use the quarter car, whose runs are free; the others see the full car's alone.",
+        f"of {REPEATS} Latin hypercubes of each size; errors at 512 other designs. RB, VB, PB and CoKriging also use the "
+        "quarter car, whose runs are free; the others see the full car's alone.",
         "",
     ]
     for criterion, unit in CRITERIA.items():
         medians = tables[criterion].groupby(["surrogate", "runs"], sort=False)[["RMSE", "seconds"]].median()
         for what, title in (("RMSE", f"{criterion}, RMSE in {unit}"), ("seconds", f"{criterion}, seconds of a fit")):
             wide = medians[what].unstack()
-            body = [
-                [name, *(f"{value:.2g}" for value in row)] for name, row in zip(wide.index, wide.values, strict=True)
-            ]
+            body = [[name, *map("{:.2g}".format, row)] for name, row in wide.T.items()]
             text += [f"## {title}", "", *rows(["runs", *wide.columns], body), ""]
     body = [[name, digits(1e3 * fit), digits(predict)] for name, (fit, predict) in fits.items()]
     text += ["## The tuned models on the study's 400 nodes", "", "The slowest of the three criteria.", ""]
