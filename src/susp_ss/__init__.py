@@ -51,6 +51,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
             "learning_curve_of_runs",
             "sample",
         ],
+        "matched": ["LowFidelity"],
         "runs": ["read_runs"],
         "surrogate_file": ["load_surrogate"],
         "fitting": ["fit_runs"],

@@ -190,13 +190,12 @@ def fit_runs(
     --------
     >>> import pathlib, tempfile
     >>> import numpy as np, pandas as pd, susp_ss as ss
-    >>> from susp_ss.matched import LowFidelity
     >>> ks, cs = np.random.default_rng(0).uniform([13e3, 900.0], [24e3, 2200.0], (12, 2)).T
     >>> bacc = ss.ride_metrics(ss.FullCar(ks=ks, cs=cs), ss.Road()).bacc.sel(point="fr")
     >>> path = pathlib.Path(tempfile.mkdtemp(), "runs.csv")
     >>> pd.DataFrame({"ks": ks, "cs": cs, "bacc": bacc}).to_csv(path, index=False)
     >>> runs = ss.read_runs(path, inputs={"ks": "ks", "cs": "cs"}, outputs={"bacc": "bacc"})
-    >>> fit = ss.fit_runs(runs, LowFidelity(ss.QuarterCar(), ss.Road(), "fr"), choose="VB")
+    >>> fit = ss.fit_runs(runs, ss.LowFidelity(ss.QuarterCar(), ss.Road(), "fr"), choose="VB")
     >>> bool(fit.outputs["bacc"].comparison.table.R2["VB"] > 0.9)
     True
     """

@@ -212,8 +212,7 @@ class LowFidelity:
 
     Examples
     --------
-    >>> from susp_ss import QuarterCar, Road
-    >>> from susp_ss.matched import LowFidelity
+    >>> from susp_ss import LowFidelity, QuarterCar, Road
     >>> cheap = LowFidelity(QuarterCar(), Road(), place="fr")
     >>> cheap.response("sws", ("ks_front", "cs")).place, cheap.response("roll_acc", ("ks_front", "cs"))
     ('fr', None)

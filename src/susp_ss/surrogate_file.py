@@ -47,8 +47,7 @@ class SuspensionSurrogate:
     Examples
     --------
     >>> import pandas as pd
-    >>> from susp_ss import Polynomial, QuarterCar, Road
-    >>> from susp_ss.matched import LowFidelity
+    >>> from susp_ss import LowFidelity, Polynomial, QuarterCar, Road
     >>> from susp_ss.surrogate_file import SuspensionSurrogate
     >>> runs = pd.DataFrame({"ks": [15e3, 20e3, 25e3]})
     >>> models = {"sws": Polynomial(degree=1).fit(runs, [0.010, 0.009, 0.008])}
@@ -181,8 +180,7 @@ def load_surrogate(path: str | PathLike[str]) -> SuspensionSurrogate:
     --------
     >>> import pathlib, tempfile
     >>> import numpy as np, pandas as pd, susp_ss as ss
-    >>> from susp_ss.matched import LowFidelity
-    >>> cheap = LowFidelity(ss.QuarterCar(), ss.Road())
+    >>> cheap = ss.LowFidelity(ss.QuarterCar(), ss.Road())
     >>> runs = pd.DataFrame({"ks": [15e3, 20e3, 25e3], "cs": [1e3, 2e3, 1e3]})
     >>> fitted = ss.ResponseBased(cheap.response("sws", list(runs))).fit(runs, [0.010, 0.007, 0.009])
     >>> path = pathlib.Path(tempfile.mkdtemp(), "surrogate.json")
