@@ -116,8 +116,8 @@ def markdown(tables, fits, load, took):
         "# Surrogates of a full car at equal numbers of its runs",
         "",
         f"{processor()}, {os.cpu_count()} cores. One run of {took:.0f} s; load average at its start {load:.1f}. "
-        f"Medians of {REPEATS} Latin hypercubes of each size; errors at 512 other designs. RB, VB, PB and CoKriging also "
-        "use the quarter car, whose runs are free; the others see the full car's alone.",
+        f"Medians of {REPEATS} Latin hypercubes of each size; errors at 512 other designs. RB, VB, PB and CoKriging "
+        "also use the quarter car, whose runs are free; the others see the full car's alone.",
         "",
     ]
     for criterion, unit in CRITERIA.items():
