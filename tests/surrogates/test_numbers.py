@@ -29,7 +29,7 @@ FITTED = [
 ]
 
 
-@pytest.mark.parametrize("surrogate", FITTED, ids=repr)
+@pytest.mark.parametrize("surrogate", FITTED, ids=lambda s: type(s).__name__)
 @pytest.mark.parametrize("named", [False, True])
 def test_through_text_and_back(surrogate, named):
     rng = np.random.default_rng(5)
