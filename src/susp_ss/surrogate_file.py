@@ -222,6 +222,8 @@ def _restored(document: dict[str, Any]) -> SuspensionSurrogate:
     inputs, cheap, outputs = document["inputs"], document["low_fidelity"], document["outputs"]
     low_fidelity = LowFidelity(vehicle_of(cheap["vehicle"]), Road(**cheap["road"]), cheap["place"], cheap["parameter"])
     columns = list(inputs)
+    if not outputs:
+        raise ValueError("it has no outputs")
     models = {}
     for name, output in outputs.items():
         if output["columns"] != columns:

@@ -51,6 +51,20 @@ def test_through_text_and_back(surrogate, named):
             again.predict(T[["cs", "ks"]])
 
 
+@pytest.mark.parametrize("k", [1, 2, 3, 4])
+@pytest.mark.parametrize(
+    "surrogate", [ss.Kriging(), ss.CoKriging(lambda X: np.sin(X.sum(axis=1)), samples=12)], ids=["one", "two"]
+)
+def test_thetas_of_any_number_of_variables(surrogate, k):
+    X = np.random.default_rng(k).uniform(size=(12, k)) * np.arange(1.0, k + 1)
+    y = np.sin(X.sum(axis=1)) + X[:, 0] ** 2
+    fitted = clone(surrogate).fit(X, y)
+    assert fitted.scaled_thetas_.shape[-1] == k
+    np.testing.assert_allclose(np.array(fitted.model_.optimal_theta), fitted.scaled_thetas_, rtol=1e-12)
+    again = from_numbers(json.loads(json.dumps(to_numbers(fitted))), surrogate.get_params().get("low_fidelity"))
+    np.testing.assert_array_equal(again.predict(X + 0.01), fitted.predict(X + 0.01))
+
+
 def test_every_kind_is_tested():
     assert {type(surrogate) for surrogate in FITTED} == set(KINDS.values())
 

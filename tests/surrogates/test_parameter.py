@@ -75,7 +75,7 @@ def test_global_minimum_among_several():
 def test_global_minimum_of_a_tuned_frequency(frequency, seed):
     """Waves out of tune have a dozen valleys, the narrowest three of the 65 steps wide."""
     time = np.linspace(0.0, 4.0, 200)
-    wave = ss.ss.ParameterBased(lambda X, a: np.sin(a * X[:, 0]), bounds=(0.0, 30.0))
+    wave = ss.ParameterBased(lambda X, a: np.sin(a * X[:, 0]), bounds=(0.0, 30.0))
     y = np.sin(frequency * time) + 0.3 * np.random.default_rng(seed).normal(size=200)
     tuned = wave.fit(time[:, None], y).parameter_
     dense = np.linspace(0.0, 30.0, 30_001)
@@ -93,7 +93,7 @@ def test_small_and_narrow_ranges(bounds):
 
 @pytest.mark.parametrize(("bounds", "value"), [((-5.0, 5.0), -2.0), ((0.0, 5.0), 3.0), ((-7, -1), -4.0)])
 def test_bounds_need_not_be_positive(bounds, value):
-    fitted = ss.ss.ParameterBased(lambda X, a: np.sin(a * X[:, 1] / 2235), bounds=bounds).fit(
+    fitted = ss.ParameterBased(lambda X, a: np.sin(a * X[:, 1] / 2235), bounds=bounds).fit(
         X, np.sin(value * X[:, 1] / 2235)
     )
     np.testing.assert_allclose(fitted.parameter_, value, rtol=1e-9)

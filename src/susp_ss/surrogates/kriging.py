@@ -22,6 +22,8 @@ TRENDS: dict[str, Callable[[int], int]] = {
     "quadratic": lambda k: (1 + k) * (2 + k) // 2,
 }
 
+CORRELATION = "squar_exp"
+
 # Bounds that no theta of the search, which keeps within 1e-6 and 20, is rounded out of.
 ANY = [1e-7, 100.0]
 
@@ -57,19 +59,12 @@ class _GaussianProcess(Approximation):
         if thetas is None:
             for designs, _ in samples:
                 _warn_of_time(len(designs))
-            thetas = self._trained(model, scaled, n_start=STARTS, seed=self._seed()).optimal_theta
+            search = model(poly=self.trend, corr=CORRELATION, print_global=False, n_start=STARTS, seed=self._seed())
+            thetas = _trained(search, scaled).optimal_theta
         # Trained again from the thetas alone, as from a file, where the same numbers then give the same digits.
         self.scaled_thetas_ = np.asarray(thetas, dtype=float)
-        self.model_ = self._trained(model, scaled, hyper_opt="NoOp", theta0=self.scaled_thetas_, theta_bounds=ANY)
-
-    def _trained(self, model: type, samples: list[tuple[Array, Array]], **search: Any) -> Any:
-        process = model(poly=self.trend, corr="squar_exp", print_global=False, **search)
-        for level, (Z, y) in enumerate(samples):
-            process.set_training_values(Z, y, name=level if level < len(samples) - 1 else None)
-        # Responses that the trend meets exactly leave no variance, whose logarithm SMT takes.
-        with np.errstate(divide="ignore"):
-            process.train()
-        return process
+        given = model(poly=self.trend, corr=CORRELATION, print_global=False, hyper_opt="NoOp", theta_bounds=ANY)
+        self.model_ = _trained(given, scaled, self.scaled_thetas_)
 
     def _seed(self) -> int:
         return int(check_random_state(self.random_state).randint(2**31 - 1))
@@ -83,6 +78,27 @@ class _GaussianProcess(Approximation):
                 f"a {self.trend} trend in {self.n_features_in_} variable(s) needs at least {needed} different designs, "
                 f"got {runs} sample(s)"
             )
+
+
+def _trained(process: Any, samples: list[tuple[Array, Array]], thetas: Array | None = None) -> Any:
+    """Train SMT's process on samples, from the cheapest to the last, with given thetas if it is not to search."""
+    for level, (Z, y) in enumerate(samples):
+        process.set_training_values(Z, y, name=level if level < len(samples) - 1 else None)
+    if thetas is not None:
+        checked = process._check_param
+
+        def given() -> None:
+            # The option theta0 takes thetas of each level only where there are as many levels as variables.
+            checked()
+            process._theta0 = thetas if thetas.ndim == 2 else list(thetas)
+
+        process._check_param = given
+    # Responses that the trend meets exactly leave no variance, whose logarithm SMT takes.
+    with np.errstate(divide="ignore"):
+        process.train()
+    if thetas is not None:
+        del process._check_param
+    return process
 
 
 def _warn_of_time(runs: int) -> None:
@@ -166,7 +182,8 @@ class Kriging(_GaussianProcess):
         return {"scaled_thetas": self.scaled_thetas_, "designs": designs, "responses": responses}
 
     def _restore(self, found: dict[str, Any]) -> None:
-        self._found_runs(found)
+        designs, _ = self._found_runs(found)
+        self._check_trend(len(designs))
         self._process(found["scaled_thetas"])
 
 
@@ -267,7 +284,7 @@ class CoKriging(_GaussianProcess):
         }
 
     def _restore(self, found: dict[str, Any]) -> None:
-        self._found_runs(found)
+        self._check_trend(len(self._found_runs(found)[0]), coefficients=1)
         designs, responses = (np.asarray(found[f"cheap_{name}"], dtype=float) for name in ("designs", "responses"))
         self.cheap_runs_ = designs, responses
         self._process(found["scaled_thetas"])
