@@ -5,7 +5,7 @@ BIN := .venv/bin
 # The linear algebra here is many small problems: one thread each beats many threads for one.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: study test bench clean
+.PHONY: study test bench notebooks clean
 
 study: .venv/installed
 	$(BIN)/susp-ss study --out results --force
@@ -27,6 +27,13 @@ bench: .venv/installed
 
 .venv/installed-test: .venv/installed
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[test]'
+	touch $@
+
+notebooks: .venv/installed-notebooks
+	$(BIN)/jupyter lab notebooks
+
+.venv/installed-notebooks: .venv/installed
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[notebooks]'
 	touch $@
 
 clean:

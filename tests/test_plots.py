@@ -1,14 +1,18 @@
-"""The study's pictures: something is drawn, in the right place, with units, and nothing is cut off."""
+"""Pictures: something is drawn, in the right place, with units, and nothing is cut off."""
 
 import dataclasses
 import io
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 import susp_ss as ss
 from susp_ss import plots
+from susp_ss.scan import DEFAULT, FACTORS
 
 SURROGATES = ["RB", "VB", "PB"]
 
@@ -122,3 +126,189 @@ def test_unknown_names_are_refused(study):
         plots.error_map(study, "XB")
     with pytest.raises(ValueError, match="no criterion named 'roll', available: bacc, dtl, sws"):
         plots.response_surfaces(study, "RB", ["roll"])
+
+
+ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
+CARS = {"quarter car": ss.QuarterCar(), "full car": ss.FullCar()}
+
+
+def own_axes(rows, columns, **how):
+    figure = Figure(figsize=(9, 5), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False, **how)
+
+
+def grid_of_designs(vehicle=ss.QuarterCar, nodes=(5, 9)):
+    axes = {"ks": np.linspace(12e3, 25e3, nodes[0]), "cs": np.linspace(800.0, 2200.0, nodes[1])}
+    return ss.ride_metrics(vehicle(**{name: xr.DataArray(v, {name: v}, name) for name, v in axes.items()}), ROAD)
+
+
+def scanned():
+    usual = dict(zip(FACTORS, DEFAULT, strict=True)) | {"refused": ""}
+    rows = [
+        usual | {"speed": speed, "road_class": name, "distance": factor * speed}
+        for speed in (10.0, 20.0)
+        for name, factor in [("A", 1.0), ("B", 0.1), ("C", 3.0)]
+    ]
+    return pd.DataFrame([*rows, usual | {"tracks": "independent", "distance": np.nan, "refused": "no variance"}])
+
+
+def test_bode_draws_magnitude_and_phase():
+    curves = plots.study_curves("fl")
+    figure = plots.bode(curves)
+    assert_whole(figure)
+    above, below = figure.axes[:3], figure.axes[3:]
+    assert [axes.get_title() for axes in above] == ["BAcc", "DTL", "SWS"]
+    assert [axes.get_ylabel() for axes in above] == ["|H| ((m/s²)/m)", "|H| (N/m)", "|H| (m/m)"]
+    for i, criterion in enumerate(["bacc", "dtl", "sws"]):
+        for j, curve in enumerate(curves.values()):
+            magnitude, phase = above[i].lines[j].get_ydata(), below[i].lines[j].get_ydata()
+            np.testing.assert_allclose(
+                magnitude * np.exp(1j * np.radians(phase)), curve.sel(criterion=criterion), rtol=1e-9
+            )
+            assert np.abs(np.diff(phase)).max() < 180.0
+
+
+def test_one_output_of_the_bode_plot_fits_a_column():
+    H = ss.frequency_response(ss.FullCar(), np.geomspace(0.1, 20.0, 50)).sel(output=["roll_acc"])
+    figure = plots.bode({f"road at {name}": H.sel(input=name) for name in H.input.values})
+    assert figure.get_figwidth() == plots.COLUMN
+    assert_whole(figure)
+    above, below = figure.axes
+    assert above.get_ylabel() == "|H| ((rad/s²)/m)"
+    # From 0 through -180 degrees and on, without a jump.
+    phase = below.lines[0].get_ydata()
+    assert phase[0] > -10.0
+    assert phase[-1] < -200.0
+    assert np.abs(np.diff(phase)).max() < 40.0
+
+
+def test_five_curves_are_refused_not_dropped():
+    (name, curve), *_ = plots.study_curves("fr").items()
+    with pytest.raises(ValueError, match="at most 4 curves can be told apart, got 5"):
+        plots.bode({f"{name} {i}": curve for i in range(5)})
+
+
+def test_area_below_the_spectra_is_the_variance():
+    f = np.geomspace(1e-3, 1e3, 4000)
+    figure = plots.psd(CARS, ROAD, "rr", f)
+    assert_whole(figure)
+    assert [axes.get_ylabel() for axes in figure.axes] == ["BAcc ((m/s²)²/Hz)", "DTL (N²/Hz)", "SWS (mm²/Hz)"]
+    for j, car in enumerate(CARS.values()):
+        ride = ss.ride_metrics(car, ROAD, method="spectral")
+        expected = [(ride if j == 0 else ride.sel(point="rr", corner="rr"))[name].item() for name in ("bacc", "sws")]
+        for axes, rms in zip([figure.axes[0], figure.axes[2]], [expected[0], 1e3 * expected[1]], strict=True):
+            area = np.trapezoid(axes.lines[j].get_ydata(), f)
+            np.testing.assert_allclose(np.sqrt(area), rms, rtol=1e-3)
+    with pytest.raises(ValueError, match="no corner named 'front'"):
+        plots.psd(CARS, ROAD, "front")
+
+
+@pytest.mark.parametrize(
+    "vehicle",
+    [ss.FullCar(), ss.PitchHalfCar(), ss.RollHalfCar(arb=9e3), ss.QuarterCar(), ss.RigidTyreQuarterCar()],
+    ids=lambda vehicle: type(vehicle).__name__,
+)
+def test_every_mode_is_a_panel(vehicle):
+    figure = plots.mode_shapes(vehicle)
+    assert_whole(figure)
+    titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
+    modes = vehicle.modes()
+    assert titles == [
+        f"{f:.3g} Hz, ζ = {zeta:.2f}" for f, zeta in zip(modes.frequency, modes.damping_ratio, strict=True)
+    ]
+
+
+def test_symmetric_modes_move_as_their_symmetry_says():
+    """With a = b the body modes of a car of equal corners are pure heave, pitch and roll."""
+    car = ss.FullCar(a=1.2, b=1.2)
+    for mode, what in enumerate(["heave", "pitch", "roll"]):
+        axes = plots.mode_shape(car, mode).axes[0]
+        outlines = [line.get_xydata()[:4] for line in axes.lines if len(line.get_xydata()) == 5]
+        fr, fl, rl, rr = (outlines[1] - outlines[0])[:, 1]
+        signs = {"heave": (1, 1, 1), "pitch": (1, -1, -1), "roll": (-1, -1, 1)}[what]
+        np.testing.assert_allclose([fl, rl, rr], np.array(signs) * fr, atol=1e-12)
+        assert max(map(abs, (fr, fl, rl, rr))) == pytest.approx(0.25)
+
+
+def test_half_a_cycle_later_a_mode_is_its_mirror():
+    def outline(phase):
+        lines = plots.mode_shape(ss.FullCar(), 2, phase).axes[0].lines
+        rest, moved = (line.get_ydata() for line in lines if len(line.get_ydata()) == 5)
+        return moved - rest
+
+    np.testing.assert_allclose(outline(0.4 + np.pi), -outline(0.4), atol=1e-12)
+    with pytest.raises(ValueError, match="mode must be 0 to 6 for FullCar, got 7"):
+        plots.mode_shape(ss.FullCar(), 7)
+
+
+@pytest.mark.parametrize("mode", [0, 1])
+def test_drawn_displacements_are_those_of_the_mode(mode):
+    shape = ss.QuarterCar(cs=2500.0).modes()["shape"][mode]
+    axes = plots.mode_shape(ss.QuarterCar(cs=2500.0), mode, 0.7).axes[0]
+    bodies = [line.get_ydata()[0] for line in axes.lines if line.get_linewidth() == 3.0]
+    wheels = [patch.get_center()[1] for patch in axes.patches]
+    expected = 0.25 * (shape[["z_s", "z_u"]] * np.exp(0.7j)).to_numpy().real
+    np.testing.assert_allclose(np.diff([bodies, wheels], axis=1)[:, 0], expected, atol=1e-12)
+
+
+def test_carpet():
+    metrics = grid_of_designs()
+    figure = plots.carpet(metrics)
+    assert_whole(figure)
+    axes, bar = figure.axes
+    assert (axes.get_xlabel(), axes.get_ylabel(), bar.get_ylabel()) == ("DTL (kN)", "BAcc (m/s²)", "SWS (mm)")
+    # Five lines of constant spring over all dampers, six of constant damper over all springs.
+    drawn = [line.get_xydata() for line in axes.lines if len(line.get_xydata())]
+    assert [len(line) for line in drawn] == [9] * 5 + [5] * 6
+    expected = np.column_stack([metrics.dtl.isel(ks=2) / 1e3, metrics.bacc.isel(ks=2)])
+    np.testing.assert_allclose(drawn[2], expected)
+    np.testing.assert_allclose(drawn[-1][:, 1], metrics.bacc.isel(cs=-1))
+    labels = {text.get_text(): text.xy for text in axes.texts}
+    assert {"12", "15.2", "25", "0.8", "2.2"} <= set(labels)
+    # The springs part where damping is low.
+    np.testing.assert_allclose(labels["25"], drawn[4][0])
+
+
+def test_carpet_of_a_car_needs_one_place():
+    metrics = grid_of_designs(ss.FullCar, (3, 3))
+    with pytest.raises(ValueError, match="ks and cs alone, got dtl on ks, cs, corner; select one point and one corner"):
+        plots.carpet(metrics)
+    with pytest.raises(ValueError, match="no metric named 'roll_acc' to draw, available: bacc, dtl, sws"):
+        plots.carpet(metrics.sel(point="fr", corner="fr"), x="roll_acc")
+    assert_whole(plots.carpet(metrics.sel(point="fr", corner="fr"), x="sws", colour="dtl"))
+
+
+def test_scenario_scan_puts_what_matters_first():
+    figure = plots.scenario_scan(scanned())
+    assert_whole(figure)
+    (axes,) = figure.axes
+    rows = [label.get_text() for label in axes.get_yticklabels()]
+    assert rows[:7] == ["road class", "B", "A", "C", "speed (m/s)", "10", "20"]
+    nearest = {round(line.get_ydata()[0]): line.get_xdata()[0] for line in axes.lines}
+    assert [nearest[row] for row in (1, 2, 3, 5, 6)] == [1.0, 10.0, 30.0, 1.0, 2.0]
+    assert rows.index("independent") not in nearest
+    with pytest.raises(ValueError, match="no scenario of the table has a distance"):
+        plots.scenario_scan(scanned().tail(1))
+
+
+def test_pictures_draw_on_given_axes(study):
+    curves = plots.study_curves("fr")
+    for draw, shape in [
+        (lambda ax: plots.bode(curves, ax), (2, 3)),
+        (lambda ax: plots.bode_magnitude(curves, ax), (1, 3)),
+        (lambda ax: plots.psd(CARS, ROAD, ax=ax), (1, 3)),
+        (lambda ax: plots.mode_shapes(ss.QuarterCar(), ax=ax), (1, 2)),
+        (lambda ax: plots.mode_shape(ss.FullCar(), 0, ax=ax), (1, 1)),
+        (lambda ax: plots.carpet(grid_of_designs(), ax=ax), (1, 1)),
+        (lambda ax: plots.scenario_scan(scanned(), ax), (1, 1)),
+        (lambda ax: plots.error_map(study, "RB", ["dtl"], ax), (1, 1)),
+    ]:
+        figure, axes = own_axes(*shape)
+        assert draw(axes) is figure
+        assert all(one.has_data() for one in axes.flat)
+        with pytest.raises(ValueError, match=f"ax must be one Axes a panel, {shape[0]} x {shape[1]}, got 7"):
+            draw(own_axes(1, 7)[1])
+    figure, axes = own_axes(1, 2, subplot_kw={"projection": "3d"})
+    assert plots.response_surfaces(study, "VB", ["bacc", "sws"], axes) is figure
+    with pytest.raises(TypeError, match="ax must be matplotlib Axes, got 3"):
+        plots.bode(curves, 3)

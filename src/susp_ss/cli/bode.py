@@ -98,14 +98,13 @@ def _curves(response: "xr.DataArray") -> list[tuple[str, str, str, "NDArray", "N
     """Output, input, unit, magnitude and phase in degrees of each curve."""
     import numpy as np
 
-    from ..responses.labels import QUANTITIES
+    from ..responses.labels import unit_of
 
     curves = []
     for output in response.output.values.tolist():
-        unit = next(unit for kind, (unit, _) in QUANTITIES.items() if f"{output}_".startswith(f"{kind}_"))
         for input in response.input.values.tolist():
             H = response.sel(output=output, input=input).values
-            curves.append((output, input, f"{unit}/m", np.abs(H), np.degrees(np.unwrap(np.angle(H)))))
+            curves.append((output, input, f"{unit_of(output)}/m", np.abs(H), np.degrees(np.unwrap(np.angle(H)))))
     return curves
 
 
@@ -155,25 +154,9 @@ def _print(vehicle: "Vehicle", response: "xr.DataArray") -> None:
 
 
 def _figure(vehicle: "Vehicle", response: "xr.DataArray") -> "Figure":
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
+    from ..plots import bode
 
-    from ..plots import DPI, LINES, STYLE, WIDTH
-
-    outputs = response.output.values.tolist()
-    styles = dict(zip(response.input.values.tolist(), LINES, strict=False))
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(max(WIDTH, 2.3 * len(outputs)), 4.6), dpi=DPI, layout="constrained")
-        panels = dict(zip(outputs, figure.subplots(2, len(outputs), sharex=True, squeeze=False).T, strict=True))
-        for output, input, unit, magnitude, phase in _curves(response):
-            above, below = panels[output]
-            colour, dashes = styles[input]
-            above.loglog(response.frequency, magnitude, color=colour, linestyle=dashes, label=f"road at {input}")
-            below.semilogx(response.frequency, phase, color=colour, linestyle=dashes)
-            above.set(title=output, ylabel=f"magnitude ({unit})")
-            below.set(xlabel="frequency (Hz)", ylabel="phase (deg)")
-        for axes in figure.axes:
-            axes.grid(which="major", linewidth=0.4, color="0.8")
-        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
-        figure.suptitle(f"{type(vehicle).__name__}: response to road height")
+    curves = {f"road at {input}": response.sel(input=input) for input in response.input.values.tolist()}
+    figure = bode(curves)
+    figure.suptitle(f"{type(vehicle).__name__}: response to road height", fontsize="medium")
     return figure

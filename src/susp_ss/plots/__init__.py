@@ -1,23 +1,34 @@
 """Pictures, one function each, sized for print.
 
-Every function returns a `matplotlib.figure.Figure`, which needs no window system: ``figure.savefig("name.png")``.
+Every function returns a `matplotlib.figure.Figure`, which needs no window system: ``figure.savefig("name.png")``. It
+draws on Axes of your own where ``ax`` gives them, one for each panel.
 """
 
-from .frequency import bode_magnitude, study_curves
+from .designs import carpet
+from .frequency import bode, bode_magnitude, psd, study_curves
+from .modes import mode_shape, mode_shapes
+from .scan import scenario_scan
 from .study import error_map, response_surfaces
-from .style import DPI, LINES, STYLE, WIDTH
+from .style import COLUMN, DPI, LINES, STYLE, WIDTH
 from .validation import learning_curves, parity, residuals
 
 __all__ = [
+    "COLUMN",
     "DPI",
     "LINES",
     "STYLE",
     "WIDTH",
+    "bode",
     "bode_magnitude",
+    "carpet",
     "error_map",
     "learning_curves",
+    "mode_shape",
+    "mode_shapes",
     "parity",
+    "psd",
     "residuals",
     "response_surfaces",
+    "scenario_scan",
     "study_curves",
 ]

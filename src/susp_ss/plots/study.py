@@ -15,7 +15,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
 from ..published import CRITERIA, SURROGATES
-from .style import STYLE, WIDTH, new_figure
+from .style import STYLE, WIDTH, new_figure, panels
 
 if TYPE_CHECKING:
     from ..study import Study
@@ -32,7 +32,9 @@ ERROR_AXES = {"bacc": ("BAcc", "m/s²", 1.0), "dtl": ("DTL", "N", 1.0), "sws": (
 VIEWS = {"bacc": (25.0, -130.0), "dtl": (28.0, 50.0), "sws": (28.0, 50.0)}
 
 
-def response_surfaces(study: Study, surrogate: str, criteria: Sequence[str] = tuple(CRITERIA)) -> Figure:
+def response_surfaces(
+    study: Study, surrogate: str, criteria: Sequence[str] = tuple(CRITERIA), ax: Any = None
+) -> Figure:
     """Low-fidelity, high-fidelity and surrogate response over spring and damper: Figure 4, 5 or 6 of the study.
 
     Parameters
@@ -41,6 +43,8 @@ def response_surfaces(study: Study, surrogate: str, criteria: Sequence[str] = tu
     surrogate : {"RB", "VB", "PB"}
     criteria : sequence of str
         Which of bacc, dtl and sws to show.
+    ax : sequence of 3-D Axes, optional
+        One a criterion.
 
     Returns
     -------
@@ -58,10 +62,14 @@ def response_surfaces(study: Study, surrogate: str, criteria: Sequence[str] = tu
     _check(surrogate, criteria)
     count = len(criteria)
     with mpl.rc_context(STYLE):
-        figure = new_figure(WIDTH if count > 1 else 0.5 * WIDTH, 2.75)
-        for i, criterion in enumerate(criteria):
+        if ax is None:
+            figure = new_figure(WIDTH if count > 1 else 0.5 * WIDTH, 2.75)
+            ax = [
+                figure.add_axes(((i + 0.11) / count, 0.12, 0.88 / count, 0.84), projection="3d") for i in range(count)
+            ]
+        figure, ((*given,),) = panels(ax, 1, count, (0.0, 0.0))
+        for i, (axes, criterion) in enumerate(zip(given, criteria, strict=True)):
             symbol, unit, one = AXES[criterion]
-            axes: Any = figure.add_axes(((i + 0.11) / count, 0.12, 0.88 / count, 0.84), projection="3d")
             here = study.responses.sel(criterion=criterion) / one
             _surfaces(axes, here, {"lf": "lf", "hf": "hf", "surrogate": surrogate}, *VIEWS[criterion])
             axes.set_xlabel("$K_s$ (kN/m)", labelpad=-6)
@@ -80,13 +88,17 @@ def response_surfaces(study: Study, surrogate: str, criteria: Sequence[str] = tu
     return figure
 
 
-def error_map(study: Study, surrogate: str) -> Figure:
+def error_map(study: Study, surrogate: str, criteria: Sequence[str] = tuple(CRITERIA), ax: Any = None) -> Figure:
     """Error ``S - F`` of a surrogate over spring and damper.
 
     Parameters
     ----------
     study : Study
     surrogate : {"RB", "VB", "PB"}
+    criteria : sequence of str
+        Which of bacc, dtl and sws to show.
+    ax : sequence of Axes, optional
+        One a criterion.
 
     Returns
     -------
@@ -101,11 +113,12 @@ def error_map(study: Study, surrogate: str) -> Figure:
     >>> figure.axes[0].get_xlabel()
     '$K_s$ (kN/m)'
     """
-    _check(surrogate)
+    _check(surrogate, criteria)
+    count = len(criteria)
     with mpl.rc_context(STYLE):
-        figure = new_figure(WIDTH, 2.6, layout="constrained")
-        panels = figure.subplots(1, 3, sharey=True)
-        for axes, (criterion, (symbol, unit, one)) in zip(panels, ERROR_AXES.items(), strict=True):
+        figure, given = panels(ax, 1, count, (WIDTH if count > 1 else 0.5 * WIDTH, 2.6), sharey=True)
+        for axes, criterion in zip(given.flat, criteria, strict=True):
+            symbol, unit, one = ERROR_AXES[criterion]
             here = study.responses.sel(criterion=criterion)
             error = (here[surrogate] - here["hf"]).transpose("cs", "ks") / one
             # An odd number of bands, so that small errors of either sign share the neutral one.
@@ -118,7 +131,7 @@ def error_map(study: Study, surrogate: str) -> Figure:
             bar.set_label(f"{surrogate} error of {symbol} ({unit})")
             axes.set_title(symbol)
             axes.set_xlabel("$K_s$ (kN/m)")
-        panels[0].set_ylabel("$C_s$ (kN s/m)")
+        given[0, 0].set_ylabel("$C_s$ (kN s/m)")
     return figure
 
 

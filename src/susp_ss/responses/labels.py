@@ -21,6 +21,11 @@ QUANTITIES = {
 }
 
 
+def unit_of(output: str) -> str:
+    """Unit of an output by its name, such as ``sws`` or ``bacc_fr``."""
+    return next(unit for kind, (unit, _) in QUANTITIES.items() if f"{output}_".startswith(f"{kind}_"))
+
+
 def labelled_outputs(
     model: SecondOrder,
     values: NDArray[np.float64],
