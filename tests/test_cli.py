@@ -237,6 +237,7 @@ def test_scan_equals_the_library(answer, few_scenarios, here):
         answer("study", "--scan", "--nodes", "4", "--json", "--out", "out"), parse_constant=pytest.fail
     )
     saved = pd.read_csv(here / "out" / "scan.csv", keep_default_na=False)
+    assert (here / "out" / "scan.png").read_bytes().startswith(b"\x89PNG")
     for rows in (pd.DataFrame(printed), saved):
         assert len(rows) == len(expected) > 10
         np.testing.assert_allclose(rows["distance"], expected["distance"], rtol=1e-9)

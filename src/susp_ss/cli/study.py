@@ -2,6 +2,7 @@
 
 import functools
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,7 +16,7 @@ from .refusals import Refusal, refusals
 if TYPE_CHECKING:
     from ..roads import Road
 
-SCAN_FILE = "scan.csv"
+SCAN_FILE, SCAN_FIGURE = "scan.csv", "scan.png"
 
 
 @built_from(road=functools.partial(road_from_options, tracks="isotropic"))
@@ -37,14 +38,16 @@ def run(
         typer.Option(
             "--scan",
             help="Instead, fit in many scenarios and rank these by their distance to the published tables. Varies the "
-            "road, the place and the fit itself, so that only --nodes, --out, --force and --json go with it.",
+            "road, the place and the fit itself, so that only --nodes, --out, --force, --no-figures and --json go "
+            "with it.",
         ),
     ] = False,
     out: Annotated[
         Path | None,
         typer.Option(
             metavar="FOLDER",
-            help=f"Write tables, responses and figures here ({SCAN_FILE} with --scan); without it nothing is written.",
+            help=f"Write tables, responses and figures here ({SCAN_FILE} and {SCAN_FIGURE} with --scan); without it "
+            "nothing is written.",
             show_default=False,
         ),
     ] = None,
@@ -60,7 +63,7 @@ def run(
     """
     if scan:
         _refuse_fixed(context)
-        _scan(10 if nodes is None else nodes, out, force, as_json)
+        _scan(10 if nodes is None else nodes, out, force, figures, as_json)
         return
 
     from .. import feasibility_study
@@ -85,19 +88,28 @@ def _refuse_fixed(context: typer.Context) -> None:
     """Refuse options that fix what the scan varies."""
     for name in context.params:
         source = context.get_parameter_source(name)
-        if name not in ("nodes", "scan", "out", "force", "as_json") and source and source.name == "COMMANDLINE":
+        if (
+            name not in ("nodes", "scan", "out", "force", "figures", "as_json")
+            and source
+            and source.name == "COMMANDLINE"
+        ):
             raise Refusal(f"{flag(name)} does not go with --scan, which varies it or has no use for it")
 
 
-def _scan(nodes: int, out: Path | None, force: bool, as_json: bool) -> None:
+def _scan(nodes: int, out: Path | None, force: bool, figures: bool, as_json: bool) -> None:
     from ..scan import scan_report, scan_scenarios
 
     if out is not None:
-        check_folder(out, (SCAN_FILE,), force)
+        check_folder(out, (SCAN_FILE, SCAN_FIGURE), force)
     with refusals():
         table = scan_scenarios((nodes, nodes), progress=Console(stderr=True).is_terminal)
         if out is not None:
-            write_together(out, {SCAN_FILE: lambda path: table.to_csv(path, index=False)})
+            files: dict[str, Callable[[Path], object]] = {SCAN_FILE: lambda path: table.to_csv(path, index=False)}
+            if figures:
+                from ..plots import scenario_scan
+
+                files[SCAN_FIGURE] = scenario_scan(table).savefig
+            write_together(out, files)
     if as_json:
         typer.echo(table.to_json(orient="records", double_precision=15, indent=2))
     else:
