@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import tempfile
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,9 +23,10 @@ if TYPE_CHECKING:
 
     from .fitting import Fit, OutputFit
 
-SURROGATE, REPORT, ACCURACY, PREDICTIONS = "surrogate.json", "report.md", "accuracy.csv", "predictions.csv"
+SURROGATE, REPORT, PAGE = "surrogate.json", "report.md", "report.html"
+ACCURACY, PREDICTIONS = "accuracy.csv", "predictions.csv"
 
-FILES = (SURROGATE, REPORT, ACCURACY, PREDICTIONS)
+FILES = (SURROGATE, REPORT, PAGE, ACCURACY, PREDICTIONS)
 """What a fit writes, beside ``figures/``."""
 
 
@@ -41,12 +43,12 @@ def _head(fit: Fit) -> str:
         [
             _paragraph(f"{len(runs.rows)} runs of {runs.path}: {inputs}"),
             _paragraph(f"Cheap model: {type(cheap.vehicle).__name__}; {cheap.road.describe()}"),
-            *(_paragraph(line) for line in _unknown(fit)),
+            *(_paragraph(line) for line in unknown(fit)),
         ]
     )
 
 
-def _unknown(fit: Fit) -> list[str]:
+def unknown(fit: Fit) -> list[str]:
     """What the cheap model could not be matched to."""
     car, columns = type(fit.low_fidelity.vehicle).__name__, list(fit.surrogate.inputs)
     lines = []
@@ -61,20 +63,18 @@ def _unknown(fit: Fit) -> list[str]:
 
 def _output(fit: Fit, output: str) -> str:
     found, unit, y = fit.outputs[output], fit.runs.units[output], fit.runs.responses[output]
-    metric, place = metric_and_place(output)
-    meaning = QUANTITIES[metric][1] if metric in QUANTITIES else "an output of the runs"
     comparison = found.comparison
     lines = [
-        f"{output}: {meaning}{f' at {place}' if place else ''}, {y.min():.4g} to {y.max():.4g} {unit}".rstrip(),
-        _ranking(found, unit).to_string(),
+        f"{output}: {meaning(output)}, {y.min():.4g} to {y.max():.4g} {unit}".rstrip(),
+        ranking_table(found, unit).to_string(),
         f"Taken: {found.chosen}.",
     ]
     others = [name for name in comparison.tied if name != comparison.best]
     if others:
         lines.append(_paragraph(f"These runs cannot tell {comparison.best} from {', '.join(others)}."))
-    lines.append(_paragraph(_worth(fit, found)))
+    lines.append(_paragraph(worth(fit, found)))
     if found.learning is not None:
-        medians = _learned(found.learning, comparison.table.index)
+        medians = median_errors(found).map("{:.3g}".format, na_action="ignore").rename_axis(columns=None, index=None)
         lines.append(f"RMSE ({unit}) after fewer runs, median of draws\n{medians.to_string(na_rep='-')}")
     lines += [_paragraph(f"Not fitted: {name} ({reason}).") for name, reason in comparison.refused.items()]
     lines += [
@@ -89,7 +89,15 @@ def _output(fit: Fit, output: str) -> str:
     return "\n".join(lines)
 
 
-def _ranking(found: OutputFit, unit: str) -> pd.DataFrame:
+def meaning(output: str) -> str:
+    """What an output is, and where."""
+    metric, place = metric_and_place(output)
+    return (
+        f"{QUANTITIES[metric][1] if metric in QUANTITIES else 'an output of the runs'}{f' at {place}' if place else ''}"
+    )
+
+
+def ranking_table(found: OutputFit, unit: str) -> pd.DataFrame:
     """Every surrogate's errors at runs left out, as text; the cheap model as it is below."""
     table = found.comparison.table
     shown = pd.DataFrame(
@@ -114,7 +122,7 @@ def _ranking(found: OutputFit, unit: str) -> pd.DataFrame:
     return shown.rename_axis(None)
 
 
-def _worth(fit: Fit, found: OutputFit) -> str:
+def worth(fit: Fit, found: OutputFit) -> str:
     """The baseline: the same runs without the cheap model."""
     if found.untuned is None:
         return "There is no cheap model to compare with."
@@ -126,10 +134,11 @@ def _worth(fit: Fit, found: OutputFit) -> str:
     )
 
 
-def _learned(learning: pd.DataFrame, order: pd.Index) -> pd.DataFrame:
-    """Median errors by number of runs, surrogates in the order of the ranking."""
-    medians = learning.groupby(["surrogate", "runs"]).RMSE.median().unstack().reindex(order)
-    return medians.map("{:.3g}".format, na_action="ignore").rename_axis(None, axis=1).rename_axis(None)
+def median_errors(found: OutputFit) -> pd.DataFrame:
+    """RMSE by number of runs, median of draws, surrogates in the order of the ranking; of a fit with its learning."""
+    assert found.learning is not None
+    medians = found.learning.groupby(["surrogate", "runs"]).RMSE.median().unstack()
+    return medians.reindex(found.comparison.table.index)
 
 
 def _paragraph(sentence: str) -> str:
@@ -143,6 +152,9 @@ def save(fit: Fit, folder: str | PathLike[str], force: bool) -> None:
     target = Path(folder)
     if target.exists() and not target.is_dir():
         raise NotADirectoryError(f"cannot write results to {target}: it is a file, not a folder")
+    from .pages.fit import fit_page
+
+    names = _file_names(fit.outputs)
     held = [name for name in FILES if (target / name).exists()]
     if held and not force:
         raise FileExistsError(f"{target} holds results already, such as {held[0]}; pass force=True to replace them")
@@ -153,12 +165,14 @@ def save(fit: Fit, folder: str | PathLike[str], force: bool) -> None:
         accuracy_table(fit).to_csv(written / ACCURACY, index=False)
         predictions(fit).to_csv(written / PREDICTIONS, index=False)
         (written / "figures").mkdir()
-        pictures = []
-        for name, title, figure in _figures(fit):
-            figure.savefig(written / "figures" / name)
-            pictures.append(f"## {title}\n\n![{title}](figures/{name})\n")
-        report = [f"# Surrogates of {fit.runs.path.name}", "", "```text", text(fit) + "```", "", *pictures]
-        (written / REPORT).write_text("\n".join(report), encoding="utf-8")
+        pictures = {}
+        for kind, output, figure in _figures(fit):
+            file = f"figures/{kind}_{names[output]}.png"
+            figure.savefig(written / file)
+            pictures[kind, output] = file
+        maps = {output: written / file for (kind, output), file in pictures.items() if kind == "map"}
+        (written / PAGE).write_text(fit_page(fit, maps), encoding="utf-8")
+        (written / REPORT).write_text(_markdown(fit, pictures), encoding="utf-8")
         (target / "figures").mkdir(exist_ok=True)
         for path in sorted(written.rglob("*.*")):
             os.replace(path, target / path.relative_to(written))
@@ -188,19 +202,47 @@ def predictions(fit: Fit) -> pd.DataFrame:
     return table.assign(**left_out)
 
 
-def _figures(fit: Fit) -> Iterator[tuple[str, str, Figure]]:
-    """Name, title and figure: the surrogate taken, beside the best with and the best without a cheap model."""
-    from .plots import learning_curves, parity, residuals
+PICTURES = {
+    "parity": "predicted against expensive, runs left out",
+    "residuals": "errors, runs left out",
+    "map": "the surrogate taken, over the box of the runs",
+    "learning": "error against number of runs",
+}
+"""What each picture of an output shows."""
 
+
+def _figures(fit: Fit) -> Iterator[tuple[str, str, Figure]]:
+    """Kind, output and figure: the surrogate taken, beside the best with and the best without a cheap model."""
+    from .plots import fitted_map, learning_curves, parity, residuals
+
+    surrogate = fit.surrogate
     for output, found in fit.outputs.items():
         comparison, unit = found.comparison, fit.runs.units[output]
         wanted = (found.chosen, None if found.untuned is None else comparison.gain().tuned, comparison.baseline)
         shown = {name: comparison.validations[name] for name in wanted if name is not None}
-        yield f"parity_{output}.png", f"{output}: predicted against expensive, runs left out", parity(shown, unit)
-        yield f"residuals_{output}.png", f"{output}: errors, runs left out", residuals(shown, unit)
+        yield "parity", output, parity(shown, unit)
+        yield "residuals", output, residuals(shown, unit)
+        if len(surrogate.inputs) == 2:
+            yield "map", output, fitted_map(surrogate, output, fit.runs.designs)
         if found.learning is not None:
-            picture = learning_curves(found.learning, unit)
-            yield f"learning_{output}.png", f"{output}: error against number of runs", picture
+            yield "learning", output, learning_curves(found.learning, unit)
+
+
+def _file_names(outputs: Iterable[str]) -> dict[str, str]:
+    """Outputs may have any name; what each is called in a file name."""
+    names: dict[str, str] = {}
+    for output in outputs:
+        name = re.sub(r"[^A-Za-z0-9_.-]", "_", output)
+        names[output] = f"{name}_{len(names)}" if name in names.values() else name
+    return names
+
+
+def _markdown(fit: Fit, pictures: Mapping[tuple[str, str], str]) -> str:
+    lines = [f"# Surrogates of {fit.runs.path.name}", "", "```text", text(fit) + "```", ""]
+    for (kind, output), file in pictures.items():
+        title = f"{output}: {PICTURES[kind]}"
+        lines.append(f"## {title}\n\n![{title}]({file})\n")
+    return "\n".join(lines)
 
 
 def document(fit: Fit) -> dict[str, Any]:

@@ -91,11 +91,14 @@ class Fit:
         Those that were fitted.
     low_fidelity : LowFidelity
     outputs : dict of str to OutputFit
+    asked : dict
+        The other arguments of `fit_runs`, but for ``progress``.
     """
 
     runs: Runs
     low_fidelity: LowFidelity
     outputs: dict[str, OutputFit]
+    asked: dict[str, Any]
 
     @property
     def surrogate(self) -> SuspensionSurrogate:
@@ -121,7 +124,7 @@ class Fit:
         return text(self)
 
     def save(self, folder: str | PathLike[str], force: bool = False) -> None:
-        """Write ``surrogate.json``, ``report.md``, tables and figures.
+        """Write ``surrogate.json``, ``report.md``, ``report.html``, tables and figures.
 
         Parameters
         ----------
@@ -233,7 +236,15 @@ def fit_runs(
             learned,
             next(((name, text) for name, text in typed if text is not None), None),
         )
-    return Fit(taken, low_fidelity, found)
+    asked = {
+        "choose": choose,
+        "folds": folds,
+        "held_out_runs": held_out_runs,
+        "learning": learning,
+        "trust_units": trust_units,
+        "random_state": random_state,
+    }
+    return Fit(taken, low_fidelity, found, asked)
 
 
 def candidates(inputs: int, cheap: Matched | None, tuned: Matched | None, random_state: int) -> dict[str, Surrogate]:

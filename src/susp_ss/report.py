@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import json
 import os
 import tempfile
@@ -27,6 +26,7 @@ from .published import (
     published,
     ranking,
 )
+from .versions import versions
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,14 +35,18 @@ if TYPE_CHECKING:
 
 TITLE = "Feasibility study of surrogate model for the application of vehicle suspension system, 2021"
 
-DATA = ("tables.csv", "tables.json", "responses.nc")
-FIGURE_FILES = (
-    *(f"figures/{FIGURES[surrogate].lower().replace(' ', '_')}_{surrogate}_surfaces.png" for surrogate in SURROGATES),
-    *(f"figures/error_map_{surrogate}.png" for surrogate in SURROGATES),
-    "figures/bode_magnitude.png",
-)
+PAGE = "report.html"
 
-_PACKAGES = ("susp_ss", "numpy", "scipy", "xarray", "scikit-learn", "cvxpy", "matplotlib")
+DATA = ("tables.csv", "tables.json", "responses.nc", PAGE)
+PICTURES = {
+    **{
+        f"surfaces_{name}": f"figures/{FIGURES[name].lower().replace(' ', '_')}_{name}_surfaces.png"
+        for name in SURROGATES
+    },
+    **{f"errors_{name}": f"figures/error_map_{name}.png" for name in SURROGATES},
+    "bode_magnitude": "figures/bode_magnitude.png",
+}
+FIGURE_FILES = tuple(PICTURES.values())
 
 
 def text(study: Study) -> str:
@@ -167,20 +171,28 @@ def _replace(written: Path, target: Path, held: list[str]) -> None:
 
 
 def _write(study: Study, folder: Path, figures: bool) -> None:
-    study.comparison().to_csv(folder / "tables.csv", index=False)
-    tables = json.dumps(document(study), indent=2, allow_nan=False)
-    (folder / "tables.json").write_text(tables + "\n", encoding="utf-8")
-    study.responses.to_netcdf(folder / "responses.nc", engine="netcdf4")
-    if figures:
-        from .plots import DPI
+    from .pages.study import study_page
 
-        (folder / "figures").mkdir()
-        for name, figure in zip(FIGURE_FILES, _figures(study), strict=True):
-            figure.savefig(folder / name, dpi=DPI)
+    tables = document(study)
+    study.comparison().to_csv(folder / "tables.csv", index=False)
+    (folder / "tables.json").write_text(json.dumps(tables, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    study.responses.to_netcdf(folder / "responses.nc", engine="netcdf4")
+    pictures = _draw(study, folder) if figures else {}
+    (folder / PAGE).write_text(study_page(study, tables, pictures), encoding="utf-8")
+
+
+def _draw(study: Study, folder: Path) -> dict[str, Path]:
+    """Save the figures; return where each is."""
+    from .plots import DPI
+
+    (folder / "figures").mkdir()
+    for name, figure in zip(PICTURES.values(), _figures(study), strict=True):
+        figure.savefig(folder / name, dpi=DPI)
+    return {name: folder / file for name, file in PICTURES.items()}
 
 
 def _figures(study: Study) -> Iterator[Figure]:
-    """In the order of FIGURE_FILES."""
+    """In the order of PICTURES."""
     from . import plots
 
     for draw in (plots.response_surfaces, plots.error_map):
@@ -209,7 +221,7 @@ def document(study: Study) -> dict[str, Any]:
         "held_out": _nested(study.held_out),
         "cost": _nested(study.cost),
         "seconds": study.seconds,
-        "versions": {name: importlib.metadata.version(name) for name in _PACKAGES},
+        "versions": versions(),
     }
 
 

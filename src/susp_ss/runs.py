@@ -87,6 +87,8 @@ class Runs:
         Unit of each name: SI, or as the file or the caller stated it where the name is not known to the package.
     columns : dict
         Column of each name in the file.
+    stated : dict
+        Unit of each column, in which the file's numbers are.
     """
 
     designs: pd.DataFrame
@@ -95,6 +97,12 @@ class Runs:
     path: Path
     units: dict[str, str]
     columns: dict[str, str]
+    stated: dict[str, str]
+
+    @property
+    def row_word(self) -> str:
+        """What ``rows`` counts: lines, or in Parquet and NetCDF files rows."""
+        return _row_word(self.path)
 
     def place(self, run: int, name: str) -> str:
         """Say where the number of a run, 0 to n - 1, stands: ``runs.csv, line 7, column 'K_S'``."""
@@ -161,13 +169,13 @@ def read_runs(
     table = READERS[path.suffix.lower()](path, inputs, outputs)
     if not table.rows:
         raise ValueError(f"{path}: no runs, only column names")
-    kept, factors = _conversion(path, columns, table, given)
+    kept, factors, stated = _conversion(path, columns, table, given)
     values = [
         [_value(name, table.cells[name][run], factors[name], _place(path, columns[name], row)) for name in columns]
         for run, row in enumerate(table.rows)
     ]
     frame = pd.DataFrame(values, columns=list(columns), dtype=float)
-    runs = Runs(frame[list(inputs)], frame[list(outputs)], np.array(table.rows), path, kept, columns)
+    runs = Runs(frame[list(inputs)], frame[list(outputs)], np.array(table.rows), path, kept, columns, stated)
     _check_together(runs)
     return runs
 
@@ -365,9 +373,9 @@ def _units_of(name: str) -> str:
 
 def _conversion(
     path: Path, columns: Mapping[str, str], table: _Table, given: Mapping[str, str]
-) -> tuple[dict[str, str], dict[str, float]]:
-    """Unit of each name in `Runs`, and the factor that takes the file's numbers there."""
-    kept, factors = {}, {}
+) -> tuple[dict[str, str], dict[str, float], dict[str, str]]:
+    """Unit of each name in `Runs`, the factor that takes the file's numbers there, and the unit that these are in."""
+    kept, factors, in_file = {}, {}, {}
     for name, column in columns.items():
         unit = _quantity(name).unit
         stated = given[name] if name in given else table.units.get(name, unit)
@@ -377,7 +385,8 @@ def _conversion(
             raise ValueError(f"{where}: {name} is in {_units_of(name)}, got {stated!r}")
         kept[name] = unit or stated
         factors[name] = known[_plain(stated)]
-    return kept, factors
+        in_file[name] = stated
+    return kept, factors, in_file
 
 
 def _like_number(text: str) -> bool:
@@ -416,7 +425,7 @@ def _check_together(runs: Runs) -> None:
         for name, here, there in zip(outputs, responses[run], responses[earlier], strict=True):
             if here != there:
                 raise ValueError(
-                    f"{runs.place(run, name)}: {shown(name, here)}, but {_row_word(runs.path)} {runs.rows[earlier]} of "
+                    f"{runs.place(run, name)}: {shown(name, here)}, but {runs.row_word} {runs.rows[earlier]} of "
                     f"the same design has {shown(name, there)}"
                 )
     for name, values in zip(map(str, runs.designs), runs.designs.to_numpy().T, strict=True):

@@ -5,6 +5,7 @@ draws on Axes of your own where ``ax`` gives them, one for each panel.
 """
 
 from .designs import carpet
+from .fitted import fitted_map
 from .frequency import bode, bode_magnitude, psd, study_curves
 from .modes import mode_shape, mode_shapes
 from .scan import scenario_scan
@@ -22,6 +23,7 @@ __all__ = [
     "bode_magnitude",
     "carpet",
     "error_map",
+    "fitted_map",
     "learning_curves",
     "mode_shape",
     "mode_shapes",

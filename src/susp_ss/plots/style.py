@@ -75,3 +75,13 @@ def add_legend(figure: Figure, axes: Axes, inside: bool, columns: int = 3) -> No
 
 def add_grid(axes: Axes) -> None:
     axes.grid(which="major", linewidth=0.4, color="0.8")
+
+
+def typeset(text: str) -> str:
+    """Exponents of units as print has them."""
+    return text.replace("^2", "²").replace("^3", "³")
+
+
+def titled(name: str, unit: str) -> str:
+    """A name with its unit, for an axis or a column."""
+    return f"{name} ({typeset(unit)})" if unit else name

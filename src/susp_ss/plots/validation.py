@@ -13,9 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..surrogates.validation import Validation
-from .style import STYLE, new_figure
-
-COLUMN = 3.4  # inches, one of two columns on A4
+from .style import COLUMN, STYLE, new_figure
 
 # Okabe and Ito's palette without its yellow, and grey; a marker for each, filled and open in turn.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#7a3b00")

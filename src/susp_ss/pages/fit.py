@@ -1,0 +1,269 @@
+"""The page of a fit: the ranking of surrogates, how near they come, and what was taken."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from ..fit_report import meaning, median_errors, ranking_table, unknown, worth
+from ..plots.study import SURFACES
+from ..plots.style import titled
+from ..plots.validation import COLOURS
+from ..reproduction import fit_code
+from ..surrogates import ParameterBased
+from ..versions import versions
+from .figures import Figure, curve, plain, plane, points, space, style, surface
+from .page import number, picture, render
+
+if TYPE_CHECKING:
+    from ..fitting import Fit
+
+UNTUNED, RUNS = "cheap model, untuned", "runs"
+
+DRAWN = ("hf", "lf")
+"""In which colours of a study the surrogate taken and the cheap model are drawn."""
+
+SHAPES = {1: "curve", 2: "surface"}
+"""What shows a surrogate over the box, by its number of inputs."""
+
+SHOWN = 5
+"""Values of each input in the table that stands in for that."""
+
+WORST = 10
+"""Runs listed as those predicted worst."""
+
+
+def fit_page(fit: Fit, maps: Mapping[str, Path]) -> str:
+    """Return the page of a fit.
+
+    Parameters
+    ----------
+    fit : Fit
+    maps : mapping of str to Path
+        For each output a still picture of the surrogate over the box, for print; none where it has not two inputs.
+    """
+    sections: list[dict[str, Any]] = []
+    figures: dict[str, dict[str, Figure]] = {}
+    for i, output in enumerate(fit.outputs):
+        figures |= {f"{kind}-{i}": views for kind, views in _figures(fit, output).items()}
+        still = maps.get(output)
+        sections.append({"id": i, "map": still and picture(still), **_section(fit, output)})
+    box = fit.surrogate.box
+    middle = ",".join(f"{name}={0.5 * (low + high):.5g}" for name, (low, high) in box.items())
+    return render(
+        "fit.html",
+        figures,
+        versions=versions(),
+        file=fit.runs.path.name,
+        count=len(fit.runs.rows),
+        inputs=[
+            {"name": name, "column": fit.runs.columns[name], "unit": fit.runs.units[name], "low": low, "high": high}
+            for name, (low, high) in box.items()
+        ],
+        cheap=f"{type(fit.low_fidelity.vehicle).__name__}; {fit.low_fidelity.road.describe()}",
+        unknown=unknown(fit),
+        outputs=sections,
+        colours={
+            "parity": COLOURS,
+            "learning": COLOURS,
+            "surface": (*(SURFACES[kind][0] for kind in DRAWN), "#000000"),
+            "curve": (*COLOURS[1:3], "#000000"),
+        },
+        predict=f"susp-ss predict surrogate.json --at {shlex.quote(middle)}",
+        code=fit_code(fit),
+    )
+
+
+def _section(fit: Fit, output: str) -> dict[str, Any]:
+    """What is said of an output."""
+    found, unit = fit.outputs[output], fit.runs.units[output]
+    ranking, comparison = ranking_table(found, unit), found.comparison
+    learning = None if found.learning is None else median_errors(found)
+    return {
+        "name": output,
+        "column": fit.runs.columns[output],
+        "meaning": meaning(output),
+        "unit": unit,
+        "low": float(fit.runs.responses[output].min()),
+        "high": float(fit.runs.responses[output].max()),
+        "taken": found.chosen,
+        "best": comparison.best,
+        "tied": [name for name in comparison.tied if name != comparison.best],
+        "worth": worth(fit, found),
+        "columns": list(ranking.columns),
+        "rows": list(zip(ranking.index, ranking.to_numpy().tolist(), strict=True)),
+        "surrogates": list(ranking.index[: len(comparison.table)]),
+        "drawn": _drawn(fit, output),
+        "shape": SHAPES.get(len(fit.surrogate.inputs)),
+        "shapes": [found.chosen, *([] if found.untuned is None else [UNTUNED]), RUNS],
+        "numbers": _numbers(fit, output),
+        "refused": comparison.refused,
+        "at_bound": [
+            (name, model.at_bound_, model.parameter_)
+            for name, model in found.models.items()
+            if isinstance(model, ParameterBased) and model.at_bound_
+        ],
+        "formula": found.formula,
+        "worst": _worst(fit, output),
+        "learning": None if learning is None else (learning.columns.tolist(), dict(learning.T.items())),
+    }
+
+
+def _drawn(fit: Fit, output: str) -> set[str | None]:
+    """Surrogates that are shown at first: the one taken, and the best with and the best without a cheap model."""
+    found = fit.outputs[output]
+    tuned = None if found.untuned is None else found.comparison.gain().tuned
+    return {found.chosen, found.comparison.baseline, tuned}
+
+
+def _figures(fit: Fit, output: str) -> dict[str, dict[str, Figure]]:
+    """Every plot of an output, and the views of each."""
+    found, shape = fit.outputs[output], SHAPES.get(len(fit.surrogate.inputs))
+    figures = {"parity": _parity(fit, output)}
+    if shape is not None:
+        figures[shape] = {"": {"surface": _surface, "curve": _curve}[shape](fit, output)}
+    if found.learning is not None:
+        figures["learning"] = {"": _learning(median_errors(found), fit.runs.units[output])}
+    return figures
+
+
+def _parity(fit: Fit, output: str) -> dict[str, Figure]:
+    """Predicted against expensive response, runs left out, and the error alone."""
+    found, unit, y = fit.outputs[output], fit.runs.units[output], fit.runs.responses[output]
+    ends, texts = (float(y.min()), float(y.max())), _texts(fit)
+    numbers = {"expensive": "x:.5g", "predicted": "customdata[0]:.5g", "error": "customdata[1]:.3g"}
+    hover = "<br>".join(["%{text}", *(f"{what} %{{{value}}} {plain(unit)}" for what, value in numbers.items())])
+    figures = {}
+    for view, side, agreed in (("prediction", "predicted response", ends), ("error", "error", (0.0, 0.0))):
+        data: list[dict[str, Any]] = [curve("agreement", ends, agreed, "", "#7f7f7f") | {"hoverinfo": "skip"}]
+        for i, name in enumerate(found.comparison.table.index):
+            one = found.comparison.validations[name]
+            rest: dict[str, Any] = {
+                "text": texts,
+                "customdata": np.stack([one.predicted, one.residuals], axis=-1).tolist(),
+            }
+            if one.margin is not None:
+                rest["error_y"] = {"array": one.margin.tolist(), "thickness": 1, "width": 3}
+            height = {"prediction": one.predicted, "error": one.residuals}[view]
+            data.append(points(name, one.y, height, hover, style(i), **rest))
+        titles = (plain(titled(name, unit)) for name in ("expensive response", side))
+        figures[view] = {"data": data, "layout": plane(*titles)}
+    return figures
+
+
+def _surface(fit: Fit, output: str, count: int = 25) -> Figure:
+    """The surrogate taken over the box of two inputs, the cheap model as it is, and the runs."""
+    names, units = (*fit.surrogate.inputs, output), fit.runs.units
+    x, y = (np.linspace(*bounds, count) for bounds in fit.surrogate.box.values())
+    X = np.stack([axis.ravel() for axis in np.meshgrid(x, y)], axis=-1)
+    hover = "<br>".join(
+        f"{plain(name)} %{{{axis}:.5g}} {plain(units[name])}" for name, axis in zip(names, "xyz", strict=True)
+    )
+    data: list[dict[str, Any]] = [
+        surface(name, x, y, z.reshape(count, count), SURFACES[kind], hover)
+        for kind, (name, z) in zip(DRAWN, _predicted(fit, output, X).items(), strict=False)
+    ]
+    runs = {
+        "type": "scatter3d",
+        "name": RUNS,
+        "mode": "markers",
+        **dict(zip("xyz", _columns(fit, names), strict=True)),
+        "text": _texts(fit),
+        "marker": {"size": 4, "color": "#000000"},
+        "hovertemplate": f"%{{text}}<br>{plain(output)} %{{z:.5g}} {plain(units[output])}<extra></extra>",
+    }
+    titles = [plain(titled(name, units[name])) for name in names]
+    return {"data": [*data, runs], "layout": space(titles, eye=(1.3, 1.8, 1.0))}
+
+
+def _curve(fit: Fit, output: str, count: int = 200) -> Figure:
+    """The surrogate taken over its one input, the cheap model as it is, and the runs."""
+    ((name, bounds),) = fit.surrogate.box.items()
+    x, unit = np.linspace(*bounds, count), plain(fit.runs.units[output])
+    curves = _predicted(fit, output, x[:, None])
+    data = [
+        curve(label, x, y, f"%{{x:.5g}}, %{{y:.5g}} {unit}", style(i + 1)[0], dash)
+        for i, ((label, y), dash) in enumerate(zip(curves.items(), ("solid", "dash"), strict=False))
+    ]
+    hover = f"%{{text}}<br>%{{y:.5g}} {unit}"
+    given, responses = _columns(fit, (name, output))
+    runs = points(RUNS, given, responses, hover, style(0), text=_texts(fit))
+    return {
+        "data": [*data, runs],
+        "layout": plane(*(plain(titled(one, fit.runs.units[one])) for one in (name, output))),
+    }
+
+
+def _learning(medians: pd.DataFrame, unit: str) -> Figure:
+    """Median error against the number of runs."""
+    data = []
+    for i, (name, row) in enumerate(medians.iterrows()):
+        known = row.dropna().astype(float)
+        hover = f"%{{x}} runs: %{{y:.3g}} {plain(unit)}"
+        data.append(points(str(name), known.index, known, hover, style(i), mode="lines+markers"))
+    layout = plane("expensive runs", plain(titled("RMSE", unit)))
+    layout["xaxis"] |= {"type": "log", "tickvals": medians.columns.tolist(), "ticktext": [*map(str, medians.columns)]}
+    layout["yaxis"] |= {"type": "log", "dtick": "D2"}
+    return {"data": data, "layout": layout}
+
+
+def _predicted(fit: Fit, output: str, X: np.ndarray) -> dict[str, np.ndarray]:
+    """The surrogate taken and the cheap model as it is, at designs within the box of the runs."""
+    names, found = list(fit.surrogate.inputs), fit.outputs[output]
+    cheap = fit.low_fidelity.response(output, names)
+    predicted = {found.chosen: found.model.predict(pd.DataFrame(X, columns=names))}
+    return predicted if cheap is None else predicted | {UNTUNED: cheap(X)}
+
+
+def _numbers(fit: Fit, output: str) -> dict[str, Any] | None:
+    """What stands in for a surface or curve: its values at a few designs."""
+    box, units = fit.surrogate.box, fit.runs.units
+    if len(box) not in SHAPES:
+        return None
+    X = np.stack(np.meshgrid(*(np.linspace(*bounds, SHOWN) for bounds in box.values()), indexing="ij"), axis=-1)
+    designs = X.reshape(-1, len(box))
+    predicted = _predicted(fit, output, designs)
+    return {
+        "columns": [*(titled(name, units[name]) for name in box), *(titled(name, units[output]) for name in predicted)],
+        "rows": np.column_stack([designs, *predicted.values()]).tolist(),
+    }
+
+
+def _columns(fit: Fit, names: tuple[str, ...]) -> list[list[float]]:
+    table = pd.concat([fit.runs.designs, fit.runs.responses], axis=1)
+    return [table[name].tolist() for name in names]
+
+
+def _texts(fit: Fit) -> list[str]:
+    """What each run says of itself: where it stands in its file, and its design."""
+    word, units = fit.runs.row_word, fit.runs.units
+    designs = fit.runs.designs.to_dict("records")
+    return [
+        "<br>".join(
+            [f"{word} {row}", *(plain(f"{name} {value:.5g} {units[str(name)]}") for name, value in design.items())]
+        )
+        for row, design in zip(fit.runs.rows.tolist(), designs, strict=True)
+    ]
+
+
+def _worst(fit: Fit, output: str) -> dict[str, Any]:
+    """The runs that the surrogate taken predicted worst when they were left out."""
+    one = fit.outputs[output].comparison.validations[fit.outputs[output].chosen]
+    order = np.abs(one.residuals).argsort()[::-1][:WORST]
+    designs, rows = fit.runs.designs.to_numpy(), fit.runs.rows
+    return {
+        "columns": [fit.runs.row_word, *fit.surrogate.inputs, "expensive", "predicted", "error"],
+        "rows": [
+            [
+                str(rows[i]),
+                *map(number, (*designs[i], one.y[i], one.predicted[i])),
+                number(one.residuals[i], 3),
+            ]
+            for i in order
+        ],
+    }
