@@ -211,7 +211,7 @@ def test_study_default_road(answer):
 
 def test_study_keeps_results_unless_forced(run, answer, here):
     answer(*SMALL, "--out", "out", "--no-figures")
-    files = {"responses.nc", "tables.csv", "tables.json"}
+    files = {"report.html", "responses.nc", "tables.csv", "tables.json"}
     assert {path.name for path in (here / "out").iterdir()} == files
     before = {name: (here / "out" / name).read_bytes() for name in files}
     code, out, err = run("study", "--nodes", "3", "--out", "out", "--no-figures")

@@ -100,9 +100,11 @@ def test_files(fitted, tmp_path):
     fitted.save(tmp_path / "fit")
     files = {str(path.relative_to(tmp_path / "fit")) for path in (tmp_path / "fit").rglob("*.*")}
     pictures = {
-        f"figures/{kind}_{output}.png" for kind in ("parity", "residuals", "learning") for output in ("bacc", "dtl")
+        f"figures/{kind}_{output}.png"
+        for kind in ("parity", "residuals", "map", "learning")
+        for output in ("bacc", "dtl")
     }
-    assert files == {"surrogate.json", "report.md", "accuracy.csv", "predictions.csv", *pictures}
+    assert files == {"surrogate.json", "report.md", "report.html", "accuracy.csv", "predictions.csv", *pictures}
     report = (tmp_path / "fit" / "report.md").read_text()
     assert set(re.findall(r"\]\((.*?)\)", report)) == pictures
     ranked = pd.read_csv(tmp_path / "fit" / "accuracy.csv").set_index(["output", "surrogate"])

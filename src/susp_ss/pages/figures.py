@@ -24,7 +24,7 @@ DIVERGING = [[0.0, "#2166ac"], [0.25, "#92c5de"], [0.5, "#f7f7f7"], [0.75, "#f4a
 
 def plain(text: str) -> str:
     """Text as plotly shows it, whoever wrote it: without tags and templates of plotly's own."""
-    return html.escape(typeset(text)).replace("%{", "%&#123;")
+    return html.escape(typeset(text), quote=False).replace("%{", "%&#123;")
 
 
 def style(i: int) -> tuple[str, str]:

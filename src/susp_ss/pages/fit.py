@@ -178,7 +178,10 @@ def _surface(fit: Fit, output: str, count: int = 25) -> Figure:
         "hovertemplate": f"%{{text}}<br>{plain(output)} %{{z:.5g}} {plain(units[output])}<extra></extra>",
     }
     titles = [plain(titled(name, units[name])) for name in names]
-    return {"data": [*data, runs], "layout": space(titles, eye=(1.3, 1.8, 1.0))}
+    # From its low side a surface shows its upper face.
+    slope_y, slope_x = (np.mean(np.diff(data[0]["z"], axis=axis)) for axis in (0, 1))
+    eye = float(-np.copysign(1.3, slope_x)), float(-np.copysign(1.8, slope_y)), 1.0
+    return {"data": [*data, runs], "layout": space(titles, eye)}
 
 
 def _curve(fit: Fit, output: str, count: int = 200) -> Figure:

@@ -70,8 +70,8 @@ def number(value: float | None, digits: int = 5) -> str:
     """A number to so many digits; a dash for what is not known."""
     if value is None or math.isnan(value):
         return "–"
-    mantissa, e, exponent = f"{value:.{digits}g}".replace("-", "−").partition("e")
-    return mantissa + e + exponent.replace("−0", "−").replace("+0", "")
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    return (f"{mantissa}e{int(exponent)}" if exponent else mantissa).replace("-", "−")
 
 
 def _template(name: str) -> str:
