@@ -388,6 +388,24 @@ def test_names_are_shown_as_they_are(opened, hostile):
     assert tab.locator("main b, main script").count() == 0
 
 
+@pytest.mark.parametrize(("folder", "plots"), [("fit_folder", 6), ("hostile", 3)])
+def test_switches_have_the_colours_of_what_they_switch(opened, request, folder, plots):
+    tab = opened(request.getfixturevalue(folder) / "report.html")
+    tab.wait_for_selector("#learning-0 .point")
+    swatches = tab.locator("input[type=checkbox]").evaluate_all(
+        """all => all.map(input => [input.dataset.plots, input.value, input.checked,
+        input.parentElement.querySelector(".swatch").getAttribute("style")])"""
+    )
+    assert len({plot for plot, *_ in swatches}) == plots
+    for plot, name, checked, swatch in swatches:
+        traces = tab.evaluate("plot => document.getElementById(plot).data", plot)
+        (trace,) = (trace for trace in traces if trace["name"] == name)
+        colour = (
+            trace["colorscale"][0][1] if trace["type"] == "surface" else trace.get("marker", trace.get("line"))["color"]
+        )
+        assert (trace["visible"], f"color: {colour}") == (checked, swatch)
+
+
 def test_plain_text():
     assert plain("a<b> %{x} & m/s^2") == "a&lt;b&gt; %&#123;x} &amp; m/s²"
 

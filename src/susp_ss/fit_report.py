@@ -63,25 +63,16 @@ def unknown(fit: Fit) -> list[str]:
 
 def _output(fit: Fit, output: str) -> str:
     found, unit, y = fit.outputs[output], fit.runs.units[output], fit.runs.responses[output]
-    comparison = found.comparison
     lines = [
         f"{output}: {meaning(output)}, {y.min():.4g} to {y.max():.4g} {unit}".rstrip(),
         ranking_table(found, unit).to_string(),
         f"Taken: {found.chosen}.",
     ]
-    others = [name for name in comparison.tied if name != comparison.best]
-    if others:
-        lines.append(_paragraph(f"These runs cannot tell {comparison.best} from {', '.join(others)}."))
-    lines.append(_paragraph(worth(fit, found)))
+    lines += [_paragraph(line) for line in [*tie(found), worth(fit, found)]]
     if found.learning is not None:
         medians = median_errors(found).map("{:.3g}".format, na_action="ignore").rename_axis(columns=None, index=None)
         lines.append(f"RMSE ({unit}) after fewer runs, median of draws\n{medians.to_string(na_rep='-')}")
-    lines += [_paragraph(f"Not fitted: {name} ({reason}).") for name, reason in comparison.refused.items()]
-    lines += [
-        f"{name} sits on its {model.at_bound_} bound, {model.parameter_:g}: there is no good value within."
-        for name, model in found.models.items()
-        if isinstance(model, ParameterBased) and model.at_bound_
-    ]
+    lines += map(_paragraph, failures(found))
     if found.formula is None:
         lines.append("None of these has a formula to type.")
     else:
@@ -120,6 +111,22 @@ def ranking_table(found: OutputFit, unit: str) -> pd.DataFrame:
         r2, rmse, most = found.untuned
         shown.iloc[-1, [0, 1, 3, 4]] = ["yes", f"{rmse:.4g}", f"{r2:.5f}", f"{most:.3g}"]
     return shown.rename_axis(None)
+
+
+def tie(found: OutputFit) -> list[str]:
+    """What these runs cannot tell, if anything."""
+    best, *others = found.comparison.tied
+    return [f"These runs cannot tell {best} from {', '.join(others)}."] if others else []
+
+
+def failures(found: OutputFit) -> list[str]:
+    """Surrogates that were not fitted, and tuned parameters without a good value."""
+    bounds = [
+        f"{name} sits on its {model.at_bound_} bound, {model.parameter_:g}: there is no good value within."
+        for name, model in found.models.items()
+        if isinstance(model, ParameterBased) and model.at_bound_
+    ]
+    return [*(f"Not fitted: {name} ({reason})." for name, reason in found.comparison.refused.items()), *bounds]
 
 
 def worth(fit: Fit, found: OutputFit) -> str:

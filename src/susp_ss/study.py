@@ -113,13 +113,14 @@ class Study:
         return text(self)
 
     def save(self, folder: str | PathLike[str], force: bool = False, figures: bool = True) -> None:
-        """Write tables, responses and figures.
+        """Write tables, responses, figures and a page that shows them.
 
         Parameters
         ----------
         folder : path
             Made if missing. Gets ``tables.csv`` (one row an entry: ours, published, unit), ``tables.json`` (the same
-            with scenario, held-out accuracy, cost and versions), ``responses.nc`` and ``figures/``.
+            with scenario, held-out accuracy, cost and versions), ``responses.nc``, ``figures/`` and
+            ``report.html``, one file that opens in a browser without a network.
         force : bool
             Replace the results of an earlier run; other files in the folder are never touched.
         figures : bool

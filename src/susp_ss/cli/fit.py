@@ -110,7 +110,8 @@ def run(
         Path | None,
         typer.Option(
             metavar="FOLDER",
-            help="Write surrogate.json, a report, tables and figures here; without it nothing is written.",
+            help="Write surrogate.json, report.html, report.md, tables and figures here; without it nothing is "
+            "written.",
             show_default=False,
         ),
     ] = None,

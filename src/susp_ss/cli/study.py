@@ -46,8 +46,8 @@ def run(
         Path | None,
         typer.Option(
             metavar="FOLDER",
-            help=f"Write tables, responses and figures here ({SCAN_FILE} and {SCAN_FIGURE} with --scan); without it "
-            "nothing is written.",
+            help=f"Write tables, responses, figures and report.html here ({SCAN_FILE} and {SCAN_FIGURE} with --scan); "
+            "without it nothing is written.",
             show_default=False,
         ),
     ] = None,

@@ -90,32 +90,18 @@ def plane(x: str, y: str, title: str = "") -> dict[str, Any]:
     }
 
 
-def points(
-    name: str, x: Iterable[float], y: Iterable[float], hover: str, look: tuple[str, str], **rest: Any
-) -> dict[str, Any]:
-    """Points in a plane; ``hover`` is a template of plotly's."""
+def scatter(name: str, x: Iterable[float], y: Iterable[float], hover: str, **look: Any) -> dict[str, Any]:
+    """A trace in a plane; ``hover`` is a template of plotly's."""
     return {
         "type": "scatter",
         "name": name,
-        "mode": "markers",
         "x": list(map(float, x)),
         "y": list(map(float, y)),
-        "marker": {"color": look[0], "symbol": look[1], "size": 7},
         "hovertemplate": f"{hover}<extra>{plain(name)}</extra>",
-        **rest,
+        **look,
     }
 
 
-def curve(
-    name: str, x: Iterable[float], y: Iterable[float], hover: str, colour: str, dash: str = "solid"
-) -> dict[str, Any]:
-    """A line in a plane."""
-    return {
-        "type": "scatter",
-        "name": name,
-        "mode": "lines",
-        "x": list(map(float, x)),
-        "y": list(map(float, y)),
-        "line": {"color": colour, "dash": dash},
-        "hovertemplate": f"{hover}<extra>{plain(name)}</extra>",
-    }
+def marker(colour: str, symbol: str) -> dict[str, Any]:
+    """A point's look."""
+    return {"color": colour, "symbol": symbol, "size": 7}

@@ -5,19 +5,17 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from ..fit_report import meaning, median_errors, ranking_table, unknown, worth
+from ..fit_report import failures, meaning, median_errors, ranking_table, tie, unknown, worth
 from ..plots.study import SURFACES
 from ..plots.style import titled
-from ..plots.validation import COLOURS
 from ..reproduction import fit_code
-from ..surrogates import ParameterBased
 from ..versions import versions
-from .figures import Figure, curve, plain, plane, points, space, style, surface
+from .figures import Figure, marker, plain, plane, scatter, space, style, surface
 from .page import number, picture, render
 
 if TYPE_CHECKING:
@@ -25,8 +23,10 @@ if TYPE_CHECKING:
 
 UNTUNED, RUNS = "cheap model, untuned", "runs"
 
-DRAWN = ("hf", "lf")
-"""In which colours of a study the surrogate taken and the cheap model are drawn."""
+FILLS = (("#56b4e9", "#004a75"), SURFACES["lf"])
+"""Colours over the box: of the surrogate taken, and of the cheap model, as in a study."""
+
+INK = "#000000"
 
 SHAPES = {1: "curve", 2: "surface"}
 """What shows a surrogate over the box, by its number of inputs."""
@@ -61,64 +61,69 @@ def fit_page(fit: Fit, maps: Mapping[str, Path]) -> str:
         versions=versions(),
         file=fit.runs.path.name,
         count=len(fit.runs.rows),
-        inputs=[
-            {"name": name, "column": fit.runs.columns[name], "unit": fit.runs.units[name], "low": low, "high": high}
-            for name, (low, high) in box.items()
-        ],
+        quantities=[_quantity(fit, name) for name in (*box, *fit.outputs)],
         cheap=f"{type(fit.low_fidelity.vehicle).__name__}; {fit.low_fidelity.road.describe()}",
         unknown=unknown(fit),
         outputs=sections,
-        colours={
-            "parity": COLOURS,
-            "learning": COLOURS,
-            "surface": (*(SURFACES[kind][0] for kind in DRAWN), "#000000"),
-            "curve": (*COLOURS[1:3], "#000000"),
-        },
         predict=f"susp-ss predict surrogate.json --at {shlex.quote(middle)}",
         code=fit_code(fit),
     )
 
 
+def _quantity(fit: Fit, name: str) -> tuple[str, str, float, float, str]:
+    """A column of the runs: its name here and in the file, its ends and its unit."""
+    (values,) = _columns(fit, (name,))
+    return name, fit.runs.columns[name], min(values), max(values), fit.runs.units[name]
+
+
 def _section(fit: Fit, output: str) -> dict[str, Any]:
     """What is said of an output."""
     found, unit = fit.outputs[output], fit.runs.units[output]
-    ranking, comparison = ranking_table(found, unit), found.comparison
+    ranking = ranking_table(found, unit)
     learning = None if found.learning is None else median_errors(found)
     return {
         "name": output,
-        "column": fit.runs.columns[output],
         "meaning": meaning(output),
         "unit": unit,
         "low": float(fit.runs.responses[output].min()),
         "high": float(fit.runs.responses[output].max()),
         "taken": found.chosen,
-        "best": comparison.best,
-        "tied": [name for name in comparison.tied if name != comparison.best],
-        "worth": worth(fit, found),
+        "said": [*tie(found), worth(fit, found)],
         "columns": list(ranking.columns),
         "rows": list(zip(ranking.index, ranking.to_numpy().tolist(), strict=True)),
-        "surrogates": list(ranking.index[: len(comparison.table)]),
-        "drawn": _drawn(fit, output),
+        "boxes": _boxes(fit, output),
         "shape": SHAPES.get(len(fit.surrogate.inputs)),
-        "shapes": [found.chosen, *([] if found.untuned is None else [UNTUNED]), RUNS],
         "numbers": _numbers(fit, output),
-        "refused": comparison.refused,
-        "at_bound": [
-            (name, model.at_bound_, model.parameter_)
-            for name, model in found.models.items()
-            if isinstance(model, ParameterBased) and model.at_bound_
-        ],
+        "failures": failures(found),
         "formula": found.formula,
         "worst": _worst(fit, output),
         "learning": None if learning is None else (learning.columns.tolist(), dict(learning.T.items())),
     }
 
 
-def _drawn(fit: Fit, output: str) -> set[str | None]:
-    """Surrogates that are shown at first: the one taken, and the best with and the best without a cheap model."""
+class Box(NamedTuple):
+    """What shows and hides a trace: its name and colour, if its marker is open, and if it is shown at first."""
+
+    name: str
+    colour: str
+    open: bool
+    shown: bool
+
+
+def _boxes(fit: Fit, output: str) -> dict[str, list[Box]]:
+    """The boxes of each plot; of surrogates the one taken is shown, and the best with and without a cheap model."""
     found = fit.outputs[output]
-    tuned = None if found.untuned is None else found.comparison.gain().tuned
-    return {found.chosen, found.comparison.baseline, tuned}
+    shown = {found.chosen, found.comparison.baseline}
+    if found.untuned is not None:
+        shown.add(found.comparison.gain().tuned)
+    surrogates = []
+    for i, name in enumerate(found.comparison.table.index):
+        colour, marker = style(i)
+        surrogates.append(Box(name, colour, marker.endswith("-open"), name in shown))
+    names = [found.chosen, *([] if found.untuned is None else [UNTUNED])]
+    over_box = [Box(name, colour, False, True) for name, (colour, _) in zip(names, FILLS, strict=False)]
+    runs = Box(RUNS, INK, False, True)
+    return {"parity": surrogates, "learning": surrogates, "curve": [*over_box, runs], "surface": [*over_box, runs]}
 
 
 def _figures(fit: Fit, output: str) -> dict[str, dict[str, Figure]]:
@@ -140,7 +145,9 @@ def _parity(fit: Fit, output: str) -> dict[str, Figure]:
     hover = "<br>".join(["%{text}", *(f"{what} %{{{value}}} {plain(unit)}" for what, value in numbers.items())])
     figures = {}
     for view, side, agreed in (("prediction", "predicted response", ends), ("error", "error", (0.0, 0.0))):
-        data: list[dict[str, Any]] = [curve("agreement", ends, agreed, "", "#7f7f7f") | {"hoverinfo": "skip"}]
+        data: list[dict[str, Any]] = [
+            scatter("agreement", ends, agreed, "", mode="lines", line={"color": "#7f7f7f"}, hoverinfo="skip")
+        ]
         for i, name in enumerate(found.comparison.table.index):
             one = found.comparison.validations[name]
             rest: dict[str, Any] = {
@@ -150,7 +157,7 @@ def _parity(fit: Fit, output: str) -> dict[str, Figure]:
             if one.margin is not None:
                 rest["error_y"] = {"array": one.margin.tolist(), "thickness": 1, "width": 3}
             height = {"prediction": one.predicted, "error": one.residuals}[view]
-            data.append(points(name, one.y, height, hover, style(i), **rest))
+            data.append(scatter(name, one.y, height, hover, mode="markers", marker=marker(*style(i)), **rest))
         titles = (plain(titled(name, unit)) for name in ("expensive response", side))
         figures[view] = {"data": data, "layout": plane(*titles)}
     return figures
@@ -165,8 +172,8 @@ def _surface(fit: Fit, output: str, count: int = 25) -> Figure:
         f"{plain(name)} %{{{axis}:.5g}} {plain(units[name])}" for name, axis in zip(names, "xyz", strict=True)
     )
     data: list[dict[str, Any]] = [
-        surface(name, x, y, z.reshape(count, count), SURFACES[kind], hover)
-        for kind, (name, z) in zip(DRAWN, _predicted(fit, output, X).items(), strict=False)
+        surface(name, x, y, z.reshape(count, count), fill, hover)
+        for fill, (name, z) in zip(FILLS, _predicted(fit, output, X).items(), strict=False)
     ]
     runs = {
         "type": "scatter3d",
@@ -174,7 +181,7 @@ def _surface(fit: Fit, output: str, count: int = 25) -> Figure:
         "mode": "markers",
         **dict(zip("xyz", _columns(fit, names), strict=True)),
         "text": _texts(fit),
-        "marker": {"size": 4, "color": "#000000"},
+        "marker": {"size": 4, "color": INK},
         "hovertemplate": f"%{{text}}<br>{plain(output)} %{{z:.5g}} {plain(units[output])}<extra></extra>",
     }
     titles = [plain(titled(name, units[name])) for name in names]
@@ -190,12 +197,12 @@ def _curve(fit: Fit, output: str, count: int = 200) -> Figure:
     x, unit = np.linspace(*bounds, count), plain(fit.runs.units[output])
     curves = _predicted(fit, output, x[:, None])
     data = [
-        curve(label, x, y, f"%{{x:.5g}}, %{{y:.5g}} {unit}", style(i + 1)[0], dash)
-        for i, ((label, y), dash) in enumerate(zip(curves.items(), ("solid", "dash"), strict=False))
+        scatter(label, x, y, f"%{{x:.5g}}, %{{y:.5g}} {unit}", mode="lines", line={"color": colour, "dash": dash})
+        for (label, y), (colour, _), dash in zip(curves.items(), FILLS, ("solid", "dash"), strict=False)
     ]
     hover = f"%{{text}}<br>%{{y:.5g}} {unit}"
     given, responses = _columns(fit, (name, output))
-    runs = points(RUNS, given, responses, hover, style(0), text=_texts(fit))
+    runs = scatter(RUNS, given, responses, hover, mode="markers", marker=marker(INK, "circle"), text=_texts(fit))
     return {
         "data": [*data, runs],
         "layout": plane(*(plain(titled(one, fit.runs.units[one])) for one in (name, output))),
@@ -208,7 +215,8 @@ def _learning(medians: pd.DataFrame, unit: str) -> Figure:
     for i, (name, row) in enumerate(medians.iterrows()):
         known = row.dropna().astype(float)
         hover = f"%{{x}} runs: %{{y:.3g}} {plain(unit)}"
-        data.append(points(str(name), known.index, known, hover, style(i), mode="lines+markers"))
+        look = {"mode": "lines+markers", "marker": marker(*style(i))}
+        data.append(scatter(str(name), known.index, known, hover, **look))
     layout = plane("expensive runs", plain(titled("RMSE", unit)))
     layout["xaxis"] |= {"type": "log", "tickvals": medians.columns.tolist(), "ticktext": [*map(str, medians.columns)]}
     layout["yaxis"] |= {"type": "log", "dtick": "D2"}

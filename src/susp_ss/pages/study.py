@@ -24,7 +24,7 @@ from ..published import (
     relative_differences,
 )
 from ..reproduction import study_code, study_command
-from .figures import DIVERGING, Figure, plane, points, space, surface
+from .figures import DIVERGING, Figure, marker, plane, scatter, space, surface
 from .page import number, picture, render
 
 if TYPE_CHECKING:
@@ -136,14 +136,9 @@ def _errors(study: Study, surrogate: str) -> dict[str, Figure]:
             "hovertemplate": f"{DESIGN}error %{{z:.4g}} {unit}<extra>{surrogate}</extra>",
         }
         worst = _worst(error)
-        mark = points(
-            "largest error",
-            [float(worst.ks) / 1e3],
-            [float(worst.cs) / 1e3],
-            f"{float(worst):.4g} {unit}",
-            ("#000000", "x"),
-            cliponaxis=False,
-        )
+        at = [float(worst.ks) / 1e3], [float(worst.cs) / 1e3]
+        look: dict[str, Any] = {"mode": "markers", "marker": marker("#000000", "x"), "cliponaxis": False}
+        mark = scatter("largest error", *at, f"{float(worst):.4g} {unit}", **look)
         layout = plane(KS, CS, f"{surrogate}: error of {symbol}")
         for axis, along in (("xaxis", x), ("yaxis", y)):
             layout[axis]["range"] = [float(along[0]), float(along[-1])]
