@@ -125,6 +125,20 @@ def test_files(fitted, tmp_path):
         fitted.save(tmp_path / "fit" / "report.md")
 
 
+def test_a_failure_leaves_nothing_half_written(fitted, tmp_path, monkeypatch):
+    def full(*arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("susp_ss.pages.fit.fit_page", full)
+    (tmp_path / "held").mkdir()
+    (tmp_path / "held" / "surrogate.json").write_text("mine")
+    for name in ("new", "held"):
+        with pytest.raises(OSError, match=rf"cannot write results to .*{name}: No space left"):
+            fitted.save(tmp_path / name, force=True)
+    assert [path.name for path in tmp_path.rglob("*")] == ["held", "surrogate.json"]
+    assert (tmp_path / "held" / "surrogate.json").read_text() == "mine"
+
+
 def test_a_perfect_cheap_model_wins_and_is_exact(tmp_path, quick):
     runs = table(10)
     runs["bacc"] = 0.1 + 1.3 * ss.Response(ss.QuarterCar(), ROAD, "bacc")(runs[["ks", "cs"]])

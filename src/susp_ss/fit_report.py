@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import os
 import re
-import tempfile
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from os import PathLike
@@ -16,6 +14,7 @@ import pandas as pd
 
 from .matched import metric_and_place
 from .responses.labels import QUANTITIES
+from .results_folder import write_results
 from .surrogates import ParameterBased
 
 if TYPE_CHECKING:
@@ -154,35 +153,24 @@ def _paragraph(sentence: str) -> str:
 
 def save(fit: Fit, folder: str | PathLike[str], force: bool) -> None:
     """Write a fit's files; see `Fit.save`."""
-    if not isinstance(folder, (str, PathLike)):
-        raise TypeError(f"folder must be a path, got {folder!r}")
-    target = Path(folder)
-    if target.exists() and not target.is_dir():
-        raise NotADirectoryError(f"cannot write results to {target}: it is a file, not a folder")
+    write_results(folder, lambda empty: _write(fit, empty), FILES, force)
+
+
+def _write(fit: Fit, folder: Path) -> None:
     from .pages.fit import fit_page
 
-    names = _file_names(fit.outputs)
-    held = [name for name in FILES if (target / name).exists()]
-    if held and not force:
-        raise FileExistsError(f"{target} holds results already, such as {held[0]}; pass force=True to replace them")
-    target.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".susp_ss-", dir=target) as scratch:
-        written = Path(scratch)
-        fit.surrogate.save(written / SURROGATE)
-        accuracy_table(fit).to_csv(written / ACCURACY, index=False)
-        predictions(fit).to_csv(written / PREDICTIONS, index=False)
-        (written / "figures").mkdir()
-        pictures = {}
-        for kind, output, figure in _figures(fit):
-            file = f"figures/{kind}_{names[output]}.png"
-            figure.savefig(written / file)
-            pictures[kind, output] = file
-        maps = {output: written / file for (kind, output), file in pictures.items() if kind == "map"}
-        (written / PAGE).write_text(fit_page(fit, maps), encoding="utf-8")
-        (written / REPORT).write_text(_markdown(fit, pictures), encoding="utf-8")
-        (target / "figures").mkdir(exist_ok=True)
-        for path in sorted(written.rglob("*.*")):
-            os.replace(path, target / path.relative_to(written))
+    fit.surrogate.save(folder / SURROGATE)
+    accuracy_table(fit).to_csv(folder / ACCURACY, index=False)
+    predictions(fit).to_csv(folder / PREDICTIONS, index=False)
+    (folder / "figures").mkdir()
+    names, pictures = _file_names(fit.outputs), {}
+    for kind, output, figure in _figures(fit):
+        file = f"figures/{kind}_{names[output]}.png"
+        figure.savefig(folder / file)
+        pictures[kind, output] = file
+    maps = {output: folder / file for (kind, output), file in pictures.items() if kind == "map"}
+    (folder / PAGE).write_text(fit_page(fit, maps), encoding="utf-8")
+    (folder / REPORT).write_text(_markdown(fit, pictures), encoding="utf-8")
 
 
 def accuracy_table(fit: Fit) -> pd.DataFrame:

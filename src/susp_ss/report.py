@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 import textwrap
 from collections.abc import Iterator
 from os import PathLike
@@ -26,6 +24,7 @@ from .published import (
     published,
     ranking,
 )
+from .results_folder import write_results
 from .versions import versions
 
 if TYPE_CHECKING:
@@ -132,42 +131,7 @@ def _paragraph(sentence: str) -> str:
 
 def save(study: Study, folder: str | PathLike[str], force: bool, figures: bool) -> None:
     """Write a study's files; see `Study.save`."""
-    if not isinstance(folder, (str, PathLike)):
-        raise TypeError(f"folder must be a path, got {folder!r}")
-    target = Path(folder)
-    if target.exists() and not target.is_dir():
-        raise NotADirectoryError(f"cannot write results to {target}: it is a file, not a folder")
-    held = _held(target)
-    if held and not force:
-        raise FileExistsError(f"{target} holds results already, such as {held[0]}; pass force=True to replace them")
-    try:
-        home = target if target.is_dir() else target.parent
-        home.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".susp_ss-", dir=home) as scratch:
-            written = Path(scratch, "results")
-            written.mkdir()
-            _write(study, written, figures)
-            if target.is_dir():
-                _replace(written, target, held)
-            else:
-                written.rename(target)
-    except OSError as error:
-        raise type(error)(f"cannot write results to {target}: {error.strerror or error}") from error
-
-
-def _held(target: Path) -> list[str]:
-    """Results of an earlier run in a folder."""
-    return [name for name in DATA + FIGURE_FILES if (target / name).exists()]
-
-
-def _replace(written: Path, target: Path, held: list[str]) -> None:
-    new = [path.relative_to(written) for path in sorted(written.rglob("*")) if path.is_file()]
-    for name in new:
-        (target / name).parent.mkdir(exist_ok=True)
-        os.replace(written / name, target / name)
-    # Figures of an earlier run beside the tables of this one would mislead.
-    for name in set(map(Path, held)) - set(new):
-        (target / name).unlink()
+    write_results(folder, lambda empty: _write(study, empty, figures), (*DATA, *FIGURE_FILES), force)
 
 
 def _write(study: Study, folder: Path, figures: bool) -> None:

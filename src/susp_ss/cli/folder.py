@@ -1,7 +1,5 @@
 """The folder of ``--out``: kept unless forced, and never left with half of the results."""
 
-import os
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -30,9 +28,10 @@ def write_together(out: Path, files: Mapping[str, Callable[[Path], object]]) -> 
     OSError
         The folder cannot be written.
     """
-    out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".susp-ss-", dir=out) as scratch:
+    from ..results_folder import write_results
+
+    def write_all(empty: Path) -> None:
         for name, write in files.items():
-            write(Path(scratch, name))
-        for name in files:
-            os.replace(Path(scratch, name), out / name)
+            write(empty / name)
+
+    write_results(out, write_all, files, force=True)
