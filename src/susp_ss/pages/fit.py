@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 UNTUNED, RUNS = "cheap model, untuned", "runs"
 
 FILLS = (("#56b4e9", "#004a75"), SURFACES["lf"])
-"""Colours over the box: of the surrogate taken, and of the cheap model, as in a study."""
+"""Faces and lines over the box: of the surrogate taken, and of the cheap model, as in a study."""
 
 INK = "#000000"
 
@@ -121,9 +121,14 @@ def _boxes(fit: Fit, output: str) -> dict[str, list[Box]]:
         colour, marker = style(i)
         surrogates.append(Box(name, colour, marker.endswith("-open"), name in shown))
     names = [found.chosen, *([] if found.untuned is None else [UNTUNED])]
-    over_box = [Box(name, colour, False, True) for name, (colour, _) in zip(names, FILLS, strict=False)]
-    runs = Box(RUNS, INK, False, True)
-    return {"parity": surrogates, "learning": surrogates, "curve": [*over_box, runs], "surface": [*over_box, runs]}
+    faces, lines = (
+        [
+            *(Box(name, fill[part], False, True) for name, fill in zip(names, FILLS, strict=False)),
+            Box(RUNS, INK, False, True),
+        ]
+        for part in (0, 1)
+    )
+    return {"parity": surrogates, "learning": surrogates, "curve": lines, "surface": faces}
 
 
 def _figures(fit: Fit, output: str) -> dict[str, dict[str, Figure]]:
@@ -198,7 +203,7 @@ def _curve(fit: Fit, output: str, count: int = 200) -> Figure:
     curves = _predicted(fit, output, x[:, None])
     data = [
         scatter(label, x, y, f"%{{x:.5g}}, %{{y:.5g}} {unit}", mode="lines", line={"color": colour, "dash": dash})
-        for (label, y), (colour, _), dash in zip(curves.items(), FILLS, ("solid", "dash"), strict=False)
+        for (label, y), (_, colour), dash in zip(curves.items(), FILLS, ("solid", "dash"), strict=False)
     ]
     hover = f"%{{text}}<br>%{{y:.5g}} {unit}"
     given, responses = _columns(fit, (name, output))

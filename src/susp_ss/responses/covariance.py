@@ -98,7 +98,7 @@ def refuse_waviness(road: Road) -> None:
     if road.waviness != 2.0:
         raise ValueError(
             f"the covariance route needs waviness 2, got {road.waviness:g}: no finite state-space model of such a "
-            'road exists; pass method="spectral"'
+            'road exists; take ride_metrics(..., method="spectral")'
         )
 
 
@@ -113,8 +113,8 @@ def lost_digits(vehicle: Vehicle, design: int) -> ValueError:
     where = f" at ({', '.join(f'{dim}={i}' for dim, i in place.items())})" if place else ""
     return ValueError(
         f"{type(vehicle).__name__}{where} is damped so lightly or so heavily, has masses and stiffnesses so far apart, "
-        "or is so nearly symmetric, that a variance keeps fewer than six digits; pass less extreme parameters, or "
-        'method="spectral"'
+        "or is so nearly symmetric, that a variance keeps fewer than six digits; pass less extreme parameters, or take "
+        'ride_metrics(..., method="spectral")'
     )
 
 
