@@ -29,8 +29,9 @@ bench: .venv/installed
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[test]'
 	touch $@
 
+# In a container one is root, whom Jupyter would turn away.
 notebooks: .venv/installed-notebooks
-	$(BIN)/jupyter lab notebooks
+	$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
 
 .venv/installed-notebooks: .venv/installed
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[notebooks]'
