@@ -19,7 +19,7 @@ RADIUS = 0.3
 BODY_HEIGHT = 0.95
 AMPLITUDE = 0.25
 # How far the car's left side lies to the right of and above its right side, per metre of its width.
-DEPTH = np.array([0.5, 0.4])
+DEPTH = np.array([0.5, 0.55])
 
 AT_REST = "0.75"
 BODY, WHEEL = LINES[1][0], LINES[2][0]
@@ -148,9 +148,9 @@ def _draw(axes: Axes, vehicle: Vehicle, moved: NDArray) -> None:
             axes.plot(*line.T, color=colours[0], linewidth=3.0, label=label or "body")
     axes.plot([], [], color=WHEEL, linewidth=1.2, label="wheels")
     for name, (x, y) in zip(vehicle.wheels, ground, strict=True):
-        axes.text(x, y - AMPLITUDE - 0.05, name, ha="center", va="top", fontsize=7, color="0.35")
+        axes.text(x, y - AMPLITUDE - 0.1, name, ha="center", va="top", fontsize=7, color="0.35")
     axes.set_aspect("equal")
     axes.set_axis_off()
     low, high = ground.min(axis=0), ground.max(axis=0)
     axes.set_xlim(low[0] - 1.5 * RADIUS, high[0] + 1.5 * RADIUS)
-    axes.set_ylim(low[1] - AMPLITUDE - 1.3 * RADIUS, high[1] + BODY_HEIGHT + 1.3 * AMPLITUDE)
+    axes.set_ylim(low[1] - AMPLITUDE - 1.5 * RADIUS, high[1] + BODY_HEIGHT + 1.3 * AMPLITUDE)
