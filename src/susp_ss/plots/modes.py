@@ -59,7 +59,7 @@ def mode_shapes(vehicle: Vehicle, phase: float = 0.0, ax: Any = None) -> Figure:
     rows = -(-len(modes) // columns)
     with mpl.rc_context(STYLE):
         if ax is None:
-            size = (COLUMN, 1.9) if columns < 3 else (WIDTH, 1.45 * rows + 0.25)
+            size = (COLUMN, 1.9) if columns < 3 else (WIDTH, 1.6 * rows + 0.25)
             figure, given = panels(None, rows, columns, size)
         else:
             figure, given = panels(ax, 1, len(modes), (WIDTH, 2.0))
