@@ -28,6 +28,12 @@ ACCURACY, PREDICTIONS = "accuracy.csv", "predictions.csv"
 FILES = (SURROGATE, REPORT, PAGE, ACCURACY, PREDICTIONS)
 """What a fit writes, beside ``figures/``."""
 
+JUDGED = (
+    "Errors are those at runs left out of a fit; their intervals allow for which runs were drawn, not for where a plan "
+    "of few leaves gaps."
+)
+"""What the errors are, and what their intervals are not."""
+
 
 def text(fit: Fit) -> str:
     """The ranking, the choice, what the cheap model was worth, and the formula of each output."""
@@ -42,7 +48,7 @@ def _head(fit: Fit) -> str:
         [
             _paragraph(f"{len(runs.rows)} runs of {runs.path}: {inputs}"),
             _paragraph(f"Cheap model: {type(cheap.vehicle).__name__}; {cheap.road.describe()}"),
-            *(_paragraph(line) for line in unknown(fit)),
+            *(_paragraph(line) for line in [*unknown(fit), JUDGED]),
         ]
     )
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from ..fit_report import failures, meaning, median_errors, ranking_table, tie, unknown, worth
+from ..fit_report import JUDGED, failures, meaning, median_errors, ranking_table, tie, unknown, worth
 from ..plots.study import SURFACES
 from ..plots.style import titled
 from ..reproduction import fit_code
@@ -64,6 +64,7 @@ def fit_page(fit: Fit, maps: Mapping[str, Path]) -> str:
         quantities=[_quantity(fit, name) for name in (*box, *fit.outputs)],
         cheap=f"{type(fit.low_fidelity.vehicle).__name__}; {fit.low_fidelity.road.describe()}",
         unknown=unknown(fit),
+        judged=JUDGED,
         outputs=sections,
         predict=f"susp-ss predict surrogate.json --at {shlex.quote(middle)}",
         code=fit_code(fit),

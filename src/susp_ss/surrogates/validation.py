@@ -159,7 +159,9 @@ class Comparison:
         """Return RMSE of the baseline over that of the best surrogate with a cheap model, above 1 if that pays.
 
         The bounds are those of the bootstrap over runs, both errors taken at the same runs; NaN if one surrogate's
-        errors are zero.
+        errors are zero. They do not allow for another plan, nor for what a fit to fewer runs does to a Gaussian
+        process: with ten runs of a full car's body acceleration co-Kriging gained 18 (15 to 33) at the runs left out,
+        and 4.5 at 200 other designs.
 
         Raises
         ------
