@@ -51,7 +51,9 @@ def run(
 
     Prints every output, with its predictive standard deviation where the
     surrogate has one, in the units of the fit (SI), and says which designs lie
-    outside the runs of the fit: of the error there nothing is known.
+    outside the runs of the fit: of the error there nothing is known. Few smooth
+    runs make the standard deviation too small; the fit's report tells how often
+    it held.
 
     susp-ss predict fit/surrogate.json --at ks=18000,cs=1500
     """
@@ -129,10 +131,11 @@ def _print(fitted: "SuspensionSurrogate", table: "pd.DataFrame") -> None:
     for name in table.drop(columns="outside"):
         unit = units.get(str(name), units.get(str(name).removesuffix("_std"), ""))
         shown.add_column(f"{name} ({unit})" if unit else str(name), justify="right")
-    shown.add_column("")
+    if table.outside.any():
+        shown.add_column("")
     for row in table.head(PRINTED).itertuples(index=False):
         *values, outside = row
-        shown.add_row(*(f"{value:.5g}" for value in values), "outside the runs" if outside else "")
+        shown.add_row(*(f"{value:.5g}" for value in values), *(["outside the runs"] if outside else []))
     print_table(shown)
     if len(table) > PRINTED:
         typer.echo(f"the first {PRINTED} of {len(table)} designs; --out FILE and --json give all")
