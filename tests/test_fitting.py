@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+import scipy.stats
 
 import susp_ss as ss
 from susp_ss import fitting
@@ -94,6 +95,21 @@ def test_the_report_says_what_was_found(fitted):
     assert max(map(len, (line for line in text.splitlines() if not line.startswith("To type")))) <= 120
     name, formula = bacc.formula
     assert f"To type ({name}, SI units): bacc = {formula}" in text
+
+
+def test_the_report_says_how_far_a_stated_interval_held(fitted):
+    text, told = " ".join(fitted.report().split()), 0
+    for found in fitted.outputs.values():
+        taken = found.comparison.validations[found.chosen]
+        if taken.std is None:
+            continue
+        within = int(np.sum(np.abs(taken.predicted - taken.y) <= 1.959964 * taken.std))
+        # So few that 95 % would give them less than once in forty times.
+        small = scipy.stats.binom.cdf(within, taken.y.size, 0.95) < 0.025
+        said = f"{within / taken.y.size:.0%} lie within the 95 % interval that {found.chosen} states"
+        assert f"{said}{'; its standard deviations are too small.' if small else '.'}" in text
+        told += 1
+    assert told == text.count("Of the runs left out") >= 1
 
 
 def test_files(fitted, tmp_path):

@@ -73,7 +73,7 @@ def _output(fit: Fit, output: str) -> str:
         ranking_table(found, unit).to_string(),
         f"Taken: {found.chosen}.",
     ]
-    lines += [_paragraph(line) for line in [*tie(found), worth(fit, found)]]
+    lines += [_paragraph(line) for line in [*tie(found), worth(fit, found), *stated(found)]]
     if found.learning is not None:
         medians = median_errors(found).map("{:.3g}".format, na_action="ignore").rename_axis(columns=None, index=None)
         lines.append(f"RMSE ({unit}) after fewer runs, median of draws\n{medians.to_string(na_rep='-')}")
@@ -122,6 +122,16 @@ def tie(found: OutputFit) -> list[str]:
     """What these runs cannot tell, if anything."""
     best, *others = found.comparison.tied
     return [f"These runs cannot tell {best} from {', '.join(others)}."] if others else []
+
+
+def stated(found: OutputFit) -> list[str]:
+    """What the surrogate taken states of its own error, and how far that held."""
+    bounds = found.comparison.validations[found.chosen].coverage_interval
+    if bounds is None:
+        return []
+    share = found.comparison.table.coverage[found.chosen]
+    verdict = "; its standard deviations are too small" if bounds[1] < 0.95 else ""
+    return [f"Of the runs left out {share:.0%} lie within the 95 % interval that {found.chosen} states{verdict}."]
 
 
 def failures(found: OutputFit) -> list[str]:

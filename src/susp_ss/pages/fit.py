@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from ..fit_report import JUDGED, failures, meaning, median_errors, ranking_table, tie, unknown, worth
+from ..fit_report import JUDGED, failures, meaning, median_errors, ranking_table, stated, tie, unknown, worth
 from ..plots.study import SURFACES
 from ..plots.style import titled
 from ..reproduction import fit_code
@@ -89,7 +89,7 @@ def _section(fit: Fit, output: str) -> dict[str, Any]:
         "low": float(fit.runs.responses[output].min()),
         "high": float(fit.runs.responses[output].max()),
         "taken": found.chosen,
-        "said": [*tie(found), worth(fit, found)],
+        "said": [*tie(found), worth(fit, found), *stated(found)],
         "columns": list(ranking.columns),
         "rows": list(zip(ranking.index, ranking.to_numpy().tolist(), strict=True)),
         "boxes": _boxes(fit, output),
