@@ -2,9 +2,16 @@
 
 from typing import NamedTuple
 
+import hypothesis
 import pytest
 
 from susp_ss.cli import main
+
+# Machines differ in speed and are shared: no test fails by the clock.
+hypothesis.settings.register_profile(
+    "any machine", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
+)
+hypothesis.settings.load_profile("any machine")
 
 
 class Ran(NamedTuple):

@@ -365,7 +365,7 @@ def test_nothing_is_written_unasked(answer, here):
 def process(*arguments, **options):
     command = [sys.executable, "-c", "from susp_ss.cli import main; main()", *arguments]
     environment = {**os.environ, "COLUMNS": "100"}
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment, **options)
+    return subprocess.run(command, capture_output=True, text=True, env=environment, **options)
 
 
 def test_process_answers():
@@ -386,7 +386,7 @@ def test_help_loads_no_numerical_library(arguments):
         "import sys, atexit; from susp_ss.cli import main; heavy = {'numpy', 'xarray', 'control', 'matplotlib'}; "
         f"atexit.register(lambda: print(sorted(heavy & set(sys.modules)))); main({arguments!r})"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert done.returncode == 0
     assert done.stdout.splitlines()[-1] == "[]"
     assert len(done.stdout.splitlines()) > 1

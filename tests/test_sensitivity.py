@@ -93,7 +93,7 @@ def test_sensitivities_are_the_limits_of_differences(vehicle, road):
 
 @pytest.mark.filterwarnings("ignore:invalid value")
 @given(models.vehicles, models.roads, st.data())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_random_vehicles_on_random_roads(vehicle, road, data):
     names = sorted(parameters(vehicle, road, least=50.0))
     chosen = data.draw(st.lists(st.sampled_from(names), min_size=3, max_size=3, unique=True))
@@ -169,7 +169,7 @@ OF_METRICS = {
 
 
 @given(models.vehicles, models.roads)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_units_of_mass_length_and_time_are_free(vehicle, road):
     every = parameters(vehicle, road)
     names = [name for name in every if name in OF_ROAD or len(leaves(vehicle, name)[2]) == 1]
@@ -187,7 +187,7 @@ def test_units_of_mass_length_and_time_are_free(vehicle, road):
 
 
 @given(models.vehicles, models.roads)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_a_common_change_is_the_sum_of_the_corners_changes(vehicle, road):
     for name in vehicle.per_corner:
         whole = ss.sensitivity(vehicle, road, [name])

@@ -120,7 +120,7 @@ def test_truncated_and_foreign_files(path):
 
 
 @given(st.data())
-@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=100, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 def test_any_damage_is_said_in_a_value_error(path, data):
     text = path.read_text()
     document = json.loads(text)

@@ -181,7 +181,7 @@ def process(program, *arguments):
         "susp_ss.sweep.MOST_DESIGNS['covariance'] = 12\n"
     )
     command = [sys.executable, "-c", preamble + program + "main(sys.argv[1:])", "sweep", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+    return subprocess.run(command, capture_output=True, text=True)
 
 
 def stopped_by(stop, n, after=()):

@@ -10,7 +10,7 @@ from models import VEHICLES
 
 
 @given(models.vehicles, models.roads)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_covariance_is_positive_and_gives_the_metrics(vehicle, road):
     X = ss.covariance(vehicle, road)
     assert X.dims == ("state", "state_")

@@ -36,7 +36,7 @@ def mirrored(vehicle):
 
 
 @given(models.vehicles, models.roads)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_polynomials_and_matrices_agree(vehicle, road):
     vehicle = mirrored(vehicle)
     assert vehicle.sections()
@@ -144,7 +144,7 @@ def polynomial(modes, real):
 
 
 @given(stable, st.one_of(st.none(), st.floats(0.5, 20.0)), st.floats(0.1, 10.0))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_routh_solves_the_lyapunov_equation_of_the_companion(modes, real, density):
     D = polynomial(modes, real)
     A, b = companion(D)
@@ -156,7 +156,6 @@ def test_routh_solves_the_lyapunov_equation_of_the_companion(modes, real, densit
 
 
 @given(stable, st.floats(0.01, 0.3))
-@settings(deadline=None)
 def test_the_delay_operator_is_the_exponential_modulo_the_polynomial(modes, tau):
     D = polynomial(modes, None)
     A, _ = companion(D)

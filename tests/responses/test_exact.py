@@ -22,7 +22,7 @@ undamped_tyre_quarter_cars = st.builds(
 
 
 @given(undamped_tyre_quarter_cars, st.floats(1.0, 60.0))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_quarter_car_closed_forms(car, speed):
     road = ss.Road(speed=speed)
     q = oracles.road_intensity(road.roughness, speed)
@@ -38,7 +38,7 @@ def test_quarter_car_closed_forms(car, speed):
 
 
 @given(st.floats(10.0, 3000.0), st.floats(1e3, 1e6), st.floats(10.0, 1e5))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_rigid_tyre_closed_form(ms, ks, cs):
     metrics = ss.ride_metrics(ss.RigidTyreQuarterCar(ms=ms, ks=ks, cs=cs), ss.Road())
     variance = oracles.rigid_tyre_deflection_variance(ms, cs, ss.Road().intensity)
@@ -165,7 +165,7 @@ def test_h2_norm_of_body_acceleration_from_one_wheel(wheel):
 
 
 @given(models.vehicles, st.floats(1e-2, 1.0))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_light_damping_keeps_its_accuracy(vehicle, lightness):
     import dataclasses
 

@@ -67,7 +67,7 @@ def test_spectral_route_is_the_oracles_integral(name, waviness):
 
 
 @given(models.vehicles, models.roads)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_routes_agree_for_random_vehicles_and_roads(vehicle, road):
     metrics = ss.ride_metrics(vehicle, road)
     for name, data in metrics.items():
@@ -80,7 +80,7 @@ def test_routes_agree_for_random_vehicles_and_roads(vehicle, road):
 
 
 @given(models.vehicles, models.roads, st.floats(0.01, 100.0))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_metrics_scale_with_the_root_of_roughness(vehicle, road, factor):
     rougher = ss.Road(
         road.roughness * factor, road.speed, road.waviness, road.cutoff, road.tracks, road.delay, road.wheels
@@ -92,7 +92,7 @@ def test_metrics_scale_with_the_root_of_roughness(vehicle, road, factor):
 
 
 @given(models.vehicles, st.sampled_from(["identical", "independent"]), st.floats(0.2, 5.0))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_metrics_scale_with_the_root_of_speed_without_delay_and_cutoff(vehicle, tracks, factor):
     one = ss.ride_metrics(vehicle, ss.Road(tracks=tracks, delay=False, speed=10.0))
     other = ss.ride_metrics(vehicle, ss.Road(tracks=tracks, delay=False, speed=10.0 * factor))

@@ -35,7 +35,7 @@ def test_cutoff_bounds_the_variance():
 
 
 @given(st.floats(1.01, 3.9), st.floats(1e-8, 30.0))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_isotropic_coherence_against_multiple_precision(waviness, x):
     road = ss.Road(tracks="isotropic", waviness=waviness)
     width = 1.446

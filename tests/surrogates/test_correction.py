@@ -43,7 +43,7 @@ def test_known_coefficients_are_recovered(size):
 
 
 @given(st.integers(0, 10_000), st.sampled_from(list(SIZES.values())), st.integers(6, 60))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_free_fits_are_the_normal_equations(seed, size, n):
     X, rng = designs(n, seed), np.random.default_rng(seed + 1)
     low = lambda X: size * curved(X)  # noqa: E731
@@ -57,7 +57,7 @@ def test_free_fits_are_the_normal_equations(seed, size, n):
 
 @given(st.integers(0, 10_000), st.sampled_from(list(SIZES.values())), st.integers(6, 60))
 @example(716, 1.0, 6)  # Stalls the solver short of its sharpest tolerance.
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_nonnegative_fits_are_scipys_nnls(seed, size, n):
     X, rng = designs(n, seed), np.random.default_rng(seed + 1)
     low = lambda X: size * curved(X)  # noqa: E731
@@ -77,7 +77,7 @@ def test_nonnegative_fits_are_scipys_nnls(seed, size, n):
 
 
 @given(st.integers(0, 10_000))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_nonnegative_fits_near_a_corner(seed):
     """Coefficients and multipliers of every size down to 1e-12: an interior point alone blurs them."""
     rng = np.random.default_rng(seed)
@@ -184,7 +184,7 @@ def test_known_power_law_is_recovered(size, exponent):
 
 
 @given(st.integers(0, 10_000))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_power_law_is_least_squares_in_the_response(seed):
     X, rng = designs(30, seed), np.random.default_rng(seed)
     f, y = curved(X), 2.0 * curved(X) ** 1.4 * np.exp(0.1 * rng.normal(size=30))

@@ -18,7 +18,7 @@ def cheap(X, m):
 
 
 @given(st.floats(80.0, 1200.0))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_known_parameter_is_recovered(m):
     fitted = ss.ParameterBased(cheap, bounds=(60.0, 1300.0)).fit(X, cheap(X, m))
     np.testing.assert_allclose(fitted.parameter_, m, rtol=1e-9)
@@ -27,7 +27,7 @@ def test_known_parameter_is_recovered(m):
 
 
 @given(st.integers(0, 1000))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_residual_fit_is_stationary_and_lowest(seed):
     y = cheap(X, 300.0) * (1 + 0.1 * np.random.default_rng(seed).normal(size=len(X)))
     fitted = ss.ParameterBased(cheap, bounds=(60.0, 1300.0)).fit(X, y)
@@ -71,7 +71,7 @@ def test_global_minimum_among_several():
 
 
 @given(st.floats(1.0, 29.0), st.integers(0, 1000))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_global_minimum_of_a_tuned_frequency(frequency, seed):
     """Waves out of tune have a dozen valleys, the narrowest three of the 65 steps wide."""
     time = np.linspace(0.0, 4.0, 200)

@@ -27,7 +27,7 @@ def monomials(X, degree):
 
 
 @given(st.integers(0, 10_000), st.integers(1, 4))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_fit_is_least_squares_on_raw_monomials(seed, degree):
     X = designs(40, seed)
     y = curved(X) + 0.01 * np.random.default_rng(seed).normal(size=40)

@@ -126,7 +126,33 @@ def test_bad_settings(surrogate, words):
         surrogate.fit(designs(20, 13), np.arange(20.0))
 
 
-def test_designs_on_a_line_are_refused_by_a_linear_tail():
-    X = np.column_stack([np.arange(8.0), np.arange(8.0)])
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("step", [1.0, 0.1, 1.0 / 3.0, np.pi])
+@pytest.mark.parametrize("slope", [1.0, 0.7, -3.0])
+def test_designs_on_a_line_are_refused_by_a_linear_tail(kernel, step, slope):
+    x = step * np.arange(8.0)
+    X = np.column_stack([x, 2.0 + slope * x])
     with pytest.raises(ValueError, match="these designs do not determine the interpolant"):
-        ss.RadialBasis().fit(X, np.arange(8.0) ** 2)
+        ss.RadialBasis(kernel, degree=1, shape=2.0 if kernel in SHAPED else None).fit(X, np.arange(8.0) ** 2)
+
+
+def test_designs_on_a_parabola_are_refused_by_a_quadratic_tail():
+    x = np.linspace(0.0, 1.0, 12)
+    with pytest.raises(ValueError, match="these designs do not determine the interpolant"):
+        ss.RadialBasis("cubic", degree=2).fit(np.column_stack([x, 0.3 + x - 2.0 * x**2]), np.sin(x))
+
+
+@pytest.mark.parametrize("kernel", SHAPED)
+def test_bumps_too_flat_for_sixteen_digits_are_refused(kernel):
+    X = designs(60, 14)
+    assert np.isfinite(ss.RadialBasis(kernel, shape=3.0).fit(X, curved(X)).predict(X)).all()
+    with pytest.raises(ValueError, match="take a larger shape"):
+        ss.RadialBasis(kernel, shape=1e-4).fit(X, curved(X))
+
+
+@pytest.mark.parametrize("surrogate", [ss.RadialBasis(), ss.Kriging(), ss.Polynomial(1)])
+def test_a_column_that_varies_by_rounding_alone_is_constant(surrogate):
+    X = designs(20, 15)
+    X[:, 1] = np.where(np.arange(20) % 2, 0.1 + 0.2, 0.3)
+    with pytest.raises(ValueError, match="column 1 of X is constant, got 0.3 in every run"):
+        surrogate.fit(X, np.arange(20.0))

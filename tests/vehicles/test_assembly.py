@@ -27,13 +27,13 @@ def test_matrices_are_those_of_the_equations(vehicle):
 
 
 @given(models.full_cars)
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_full_car_matrices_for_random_unequal_corners(vehicle):
     assert_same_matrices(vehicle)
 
 
 @given(models.vehicles)
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_natural_frequencies(vehicle):
     theirs = models.oracle(vehicle)
     eigenvalues = np.sort(np.linalg.eigvals(np.linalg.inv(theirs.M) @ theirs.K).real)

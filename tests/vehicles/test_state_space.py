@@ -140,7 +140,7 @@ def test_actuators_push_wheel_and_body_apart(name, form):
 
 
 @given(models.vehicles)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_modes_solve_the_quadratic_eigenproblem(vehicle):
     model, modes = models.oracle(vehicle), vehicle.modes()
     assert (np.diff(modes["frequency"]) >= -1e-12).all()

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import RBFInterpolator
-from scipy.linalg import LinAlgError
+from scipy.linalg import lapack
 from scipy.spatial.distance import cdist
 from scipy.special import xlogy
 from sklearn.preprocessing import PolynomialFeatures
 
-from .regressor import Approximation, Array
+from .regressor import DEPENDENT, Approximation, Array
 
 # phi(r) with scipy's signs, after the study's Eqs 10 to 21, where r^2 ln r is 0 at r = 0, and Eq 15 has a misprint for
 # exp(-r^2 / (2 sigma^2)): shape = 1 / (sqrt(2) sigma).
@@ -112,13 +112,12 @@ class RadialBasis(Approximation):
 
     def _interpolate(self, Z: Array, responses: Array) -> None:
         degree = self._degree()
-        try:
-            self.interpolator_ = RBFInterpolator(Z, responses, kernel=self.kernel, epsilon=self.shape_, degree=degree)
-        except LinAlgError as error:
+        if not _determined(Z, self.kernel, self.shape_, degree):
             raise ValueError(
                 f"these designs do not determine the interpolant with kernel {self.kernel!r}, shape {self.shape_:g} "
                 f"and degree {degree}; take a larger shape, a lower degree, or designs that are not on a line"
-            ) from error
+            )
+        self.interpolator_ = RBFInterpolator(Z, responses, kernel=self.kernel, epsilon=self.shape_, degree=degree)
 
     def _numbers(self) -> dict[str, Any]:
         return {
@@ -180,17 +179,40 @@ def leave_one_out(Z: Array, y: Array, kernel: str, shape: float, degree: int) ->
     ndarray, (n,)
         Response minus interpolant; inf if the system is singular to working precision.
     """
-    n = len(Z)
-    P = _tail(Z, degree)
-    K = KERNELS[kernel](shape * cdist(Z, Z))
-    A = np.block([[K, P], [P.T, np.zeros((P.shape[1], P.shape[1]))]])
-    try:
-        inverse = np.linalg.inv(A)
-    except LinAlgError:
+    n, A = len(Z), _conditions(Z, kernel, shape, degree)
+    if _reciprocal_condition(A) < np.finfo(float).eps:
         return np.full(n, np.inf)
+    inverse = np.linalg.inv(A)
     if np.linalg.norm(A, 1) * np.linalg.norm(inverse, 1) > CONDITION:
         return np.full(n, np.inf)
     return inverse[:n, :n] @ y / np.diag(inverse)[:n]
+
+
+def _determined(Z: Array, kernel: str, shape: float, degree: int) -> bool:
+    """Whether the runs tell the terms of the tail apart, and then every weight.
+
+    The tail is judged by the singular values of its monomials on the scaled columns. The bumps may be as flat as 16
+    digits bear: beyond that the weights are noise, whether or not an elimination meets a pivot of exactly zero.
+    """
+    P = _tail(Z, degree)
+    if P.shape[1]:
+        values = np.linalg.svd(P, compute_uv=False)
+        if values[-1] <= DEPENDENT * values[0]:
+            return False
+    return _reciprocal_condition(_conditions(Z, kernel, shape, degree)) > np.finfo(float).eps
+
+
+def _conditions(Z: Array, kernel: str, shape: float, degree: int) -> Array:
+    """The matrix of the interpolation conditions and of the tail's."""
+    P = _tail(Z, degree)
+    return np.block([[KERNELS[kernel](shape * cdist(Z, Z)), P], [P.T, np.zeros((P.shape[1], P.shape[1]))]])
+
+
+def _reciprocal_condition(A: Array) -> float:
+    """LAPACK's estimate in the 1-norm: rounding, rather than an exception, of a matrix that is singular."""
+    factors, _, _ = lapack.dgetrf(A)
+    estimate, _ = lapack.dgecon(factors, np.linalg.norm(A, 1))
+    return float(estimate)
 
 
 def _best_shape(Z: Array, y: Array, kernel: str, degree: int) -> float:

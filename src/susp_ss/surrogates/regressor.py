@@ -103,7 +103,7 @@ class Approximation(Surrogate):
 
     def _box(self, designs: Array) -> MinMaxScaler:
         """The box of the runs; every variable varies in it."""
-        constant = np.ptp(designs, axis=0) == 0.0
+        constant = np.ptp(designs, axis=0) <= DEPENDENT * np.abs(designs).max(axis=0)
         if constant.any():
             column = int(np.argmax(constant))
             raise ValueError(
