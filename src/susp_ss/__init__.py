@@ -1,7 +1,8 @@
 """Suspension models as linear state-space systems, their exact ride metrics on random roads, and surrogates.
 
-The flow is ``vehicles`` and ``roads`` -> ``responses`` -> ``metrics`` -> ``surrogates`` -> ``study``. A vehicle
-is a frozen dataclass of parameters; a sweep of designs is the same dataclass with arrays in it.
+The flow is ``vehicles`` and ``roads`` -> ``responses`` -> ``metrics`` -> ``surrogates`` -> ``study``, ``fit`` and
+``sweep`` -> ``presentation``. A vehicle is a frozen dataclass of parameters; a sweep of designs is the same dataclass
+with arrays in it.
 
 Examples
 --------
@@ -14,24 +15,19 @@ Examples
 
 import lazy_loader
 
+from .vehicles import CLASSES
+
 __version__ = "0.1.0"
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
-    submod_attrs={
-        "vehicles": [
-            "Corners",
-            "FullCar",
-            "PitchHalfCar",
-            "QuarterCar",
-            "RigidTyreQuarterCar",
-            "RollHalfCar",
-        ],
+    submod_attrs={f"vehicles.{module}": classes for module, classes in CLASSES.items()}
+    | {
+        "vehicles.parameters": ["Corners"],
         "roads": ["Road"],
-        "responses": ["covariance", "frequency_response", "psd", "simulate"],
-        "bridge": ["Response"],
-        "metrics": ["ride_metrics"],
-        "sensitivities": ["sensitivity"],
+        "responses": ["frequency_response", "psd", "simulate"],
+        "responses.covariance": ["covariance"],
+        "metrics": ["Response", "ride_metrics", "sensitivity"],
         "surrogates": [
             "CoKriging",
             "Comparison",
@@ -51,10 +47,10 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
             "learning_curve_of_runs",
             "sample",
         ],
-        "matched": ["LowFidelity"],
-        "runs": ["read_runs"],
-        "surrogate_file": ["load_surrogate"],
-        "fitting": ["fit_runs"],
-        "study": ["Study", "feasibility_study"],
+        "study": ["Scan", "Study", "feasibility_study", "scan_scenarios"],
+        "fit": ["Fit", "LowFidelity", "fit_runs", "load_surrogate", "read_runs"],
+        "presentation": ["plots"],
+        "presentation.report": ["report"],
+        "presentation.save": ["save"],
     },
 )

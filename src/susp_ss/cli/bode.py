@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
+from ..quantities import signal
 from .folder import check_folder, write_together
-from .options import Force, Json, built_from, names, print_table, vehicle_from_options
+from .options import Force, Json, built_from, names, print_table, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -16,12 +17,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from ..vehicles import Vehicle
+    from ..vehicles.vehicle import Vehicle
 
 TABLE, FIGURE = "bode.csv", "bode.png"
 
 
-@built_from(vehicle=vehicle_from_options)
+@built_from(vehicle=vehicle_options())
 def run(
     vehicle: "Vehicle",
     output: Annotated[
@@ -73,8 +74,8 @@ def run(
         response = frequency_response(vehicle, np.geomspace(lowest, highest, points))
     first = next(iter(vehicle.wheels))
     wanted = {
-        "output": names(output) if output else tuple(f"{kind}_{first}".rstrip("_") for kind in ("bacc", "sws", "dtl")),
-        "input": names(input) if input else (f"z_r_{first}".rstrip("_"),),
+        "output": names(output) if output else tuple(signal(kind, first) for kind in ("bacc", "sws", "dtl")),
+        "input": names(input) if input else (signal("z_r", first),),
     }
     for dim, chosen in wanted.items():
         available = response[dim].values.tolist()
@@ -98,7 +99,7 @@ def _curves(response: "xr.DataArray") -> list[tuple[str, str, str, "NDArray", "N
     """Output, input, unit, magnitude and phase in degrees of each curve."""
     import numpy as np
 
-    from ..responses.labels import unit_of
+    from ..quantities import unit_of
 
     curves = []
     for output in response.output.values.tolist():
@@ -154,7 +155,7 @@ def _print(vehicle: "Vehicle", response: "xr.DataArray") -> None:
 
 
 def _figure(vehicle: "Vehicle", response: "xr.DataArray") -> "Figure":
-    from ..plots import bode
+    from ..presentation.plots import bode
 
     curves = {f"road at {input}": response.sel(input=input) for input in response.input.values.tolist()}
     figure = bode(curves)

@@ -5,7 +5,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..roads import Road
+    from ..roads.road import Road
 
 
 def road_document(road: "Road") -> dict[str, Any]:

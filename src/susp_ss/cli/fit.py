@@ -1,44 +1,22 @@
 """``susp-ss fit``: surrogates of an expensive model, from a table of its runs."""
 
-import inspect
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
-from .folder import check_folder
-from .options import Force, Json, built_from, names, road_from_options, vehicle_from_options
+from .folder import check_result
+from .options import Force, Json, built_from, names, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
-    from ..roads import Road
-    from ..vehicles import Vehicle
+    from ..roads.road import Road
+    from ..vehicles.vehicle import Vehicle
 
 
-def cheap_vehicle(low_fidelity: str | None, **given: Any) -> "Vehicle":
-    """Make the cheap model that a file and options describe, by default a quarter car."""
-    return vehicle_from_options(low_fidelity or (None if given["vehicle"] else "quarter"), **given)
-
-
-def _renamed(parameter: inspect.Parameter) -> inspect.Parameter:
-    if parameter.name != "model":
-        return parameter
-    option = typer.Option(
-        metavar="NAME",
-        help="The cheap model: quarter, full, rigid-tyre, pitch-half or roll-half.",
-        show_default="the vehicle file's, or quarter",
-        rich_help_panel="Vehicle",
-    )
-    return parameter.replace(name="low_fidelity", annotation=Annotated[str | None, option])
-
-
-_OF_VEHICLE = inspect.signature(vehicle_from_options).parameters.values()
-cheap_vehicle.__signature__ = inspect.Signature([_renamed(p) for p in _OF_VEHICLE])  # type: ignore[attr-defined]
-
-
-@built_from(vehicle=cheap_vehicle, road=road_from_options)
+@built_from(vehicle=vehicle_options("low_fidelity", "quarter", "The cheap model"), road=road_from_options)
 def run(
     vehicle: "Vehicle",
     road: "Road",
@@ -127,13 +105,12 @@ def run(
     susp-ss fit runs.csv --inputs ks,cs --outputs bacc,sws,dtl --out fit
     """
     if out is not None:
-        from ..fit_report import FILES
+        from ..fit import Fit
 
-        check_folder(out, FILES, force)
+        check_result(out, Fit, force)
     asked = {"inputs": _named("--inputs", inputs), "outputs": _named("--outputs", outputs)}
     with refusals():
-        from .. import fit_runs, read_runs
-        from ..matched import LowFidelity
+        from ..fit import LowFidelity, fit_runs, read_runs
 
         try:
             table = read_runs(runs, **asked, units=_pairs("--units", units or []))
@@ -151,14 +128,18 @@ def run(
             progress=Console(stderr=True).is_terminal,
         )
     if out is not None:
-        with refusals(), Console(stderr=True).status(f"writing {out}"):
-            fit.save(out, force=force)
-    if as_json:
-        from ..fit_report import document
+        from ..presentation.save import save
 
-        typer.echo(json.dumps(document(fit), indent=2))
+        with refusals(), Console(stderr=True).status(f"writing {out}"):
+            save(fit, out, force=force)
+    if as_json:
+        from ..presentation.documents import fit_document
+
+        typer.echo(json.dumps(fit_document(fit), indent=2))
     else:
-        typer.echo(fit.report(), nl=False)
+        from ..presentation.report import report
+
+        typer.echo(report(fit), nl=False)
 
 
 def _named(option: str, given: list[str]) -> dict[str, str]:

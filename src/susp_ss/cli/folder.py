@@ -20,6 +20,18 @@ def check_folder(out: Path, files: Sequence[str], force: bool) -> None:
         raise Refusal(f"--out {out} holds results already ({', '.join(held)}); pass --force to replace them")
 
 
+def check_result(out: Path, kind: type, force: bool) -> None:
+    """Refuse a folder of ``--out`` for a kind of result, such as `Fit`.
+
+    Raises
+    ------
+    Refusal
+    """
+    from ..presentation.save import kind_of
+
+    check_folder(out, kind_of(kind).files, force)
+
+
 def write_together(out: Path, files: Mapping[str, Callable[[Path], object]]) -> None:
     """Write files of a folder, each by its own function, all or none.
 
@@ -28,7 +40,7 @@ def write_together(out: Path, files: Mapping[str, Callable[[Path], object]]) -> 
     OSError
         The folder cannot be written.
     """
-    from ..results_folder import write_results
+    from ..presentation.folder import write_results
 
     def write_all(empty: Path) -> None:
         for name, write in files.items():

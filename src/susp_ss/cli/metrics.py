@@ -8,17 +8,17 @@ from rich.console import Console
 from rich.table import Table
 
 from .documents import json_number, road_document
-from .options import Json, built_from, print_table, road_from_options, vehicle_from_options
+from .options import Json, built_from, print_table, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..roads import Road
-    from ..vehicles import Vehicle
+    from ..roads.road import Road
+    from ..vehicles.vehicle import Vehicle
 
 
-@built_from(vehicle=vehicle_from_options, road=road_from_options)
+@built_from(vehicle=vehicle_options(), road=road_from_options)
 def run(
     vehicle: "Vehicle",
     road: "Road",

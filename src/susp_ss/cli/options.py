@@ -3,7 +3,7 @@
 import dataclasses
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,14 +11,16 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from ..quantities import PARAMETERS, ROAD
+from ..vehicles import MODELS
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ..roads import Road
-    from ..vehicles import Vehicle
+    from ..roads.road import Road
+    from ..vehicles.vehicle import Vehicle
 
 
 def built_from(**builders: Callable[..., Any]) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -45,93 +47,94 @@ def built_from(**builders: Callable[..., Any]) -> Callable[[Callable[..., None]]
     return decorate
 
 
-def _parameter(unit: str, meaning: str) -> Any:
-    return typer.Option(metavar=unit, help=meaning, rich_help_panel="Vehicle", show_default=False)
+def vehicle_options(
+    option: str = "model", default: str = "full", meaning: str = "The model", without: Sequence[str] = ()
+) -> Callable[..., "Vehicle"]:
+    """Return what makes the vehicle that a file and options describe, an option for every parameter there is.
 
+    Parameters
+    ----------
+    option, default, meaning : str
+        Name of the option that chooses the model, what it is without, and its help.
+    without : sequence of str
+        Parameters that have no option here.
+    """
 
-def vehicle_from_options(
-    model: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="full, quarter, rigid-tyre, pitch-half or roll-half.",
-            show_default="the vehicle file's, or full",
-            rich_help_panel="Vehicle",
-        ),
-    ] = None,
-    vehicle: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="TOML file of a vehicle, as susp-ss metrics --template prints it. The options below override its "
-            "values, or the model's defaults.",
-            rich_help_panel="Vehicle",
+    def build(**given: Any) -> "Vehicle":
+        return _vehicle(option, default, given.pop(option), given.pop("vehicle"), given)
+
+    def optional(name: str, kind: Any, **shown: Any) -> inspect.Parameter:
+        annotation = Annotated[kind, typer.Option(rich_help_panel="Vehicle", **shown)]
+        return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+
+    parameters = [
+        optional(
+            name,
+            float | None,
+            metavar=quantity.unit,
+            help=f"{quantity.meaning.capitalize()}{', each wheel' if quantity.dim else ''}.",
             show_default=False,
-        ),
-    ] = None,
-    ms: Annotated[float | None, _parameter("kg", "Sprung mass.")] = None,
-    mb: Annotated[float | None, _parameter("kg", "Body mass.")] = None,
-    mu: Annotated[float | None, _parameter("kg", "Unsprung mass, each wheel.")] = None,
-    ixx: Annotated[float | None, _parameter("kg m^2", "Roll inertia.")] = None,
-    iyy: Annotated[float | None, _parameter("kg m^2", "Pitch inertia.")] = None,
-    a: Annotated[float | None, _parameter("m", "Front axle to centre of gravity.")] = None,
-    b: Annotated[float | None, _parameter("m", "Rear axle to centre of gravity.")] = None,
-    c: Annotated[float | None, _parameter("m", "Half track width.")] = None,
-    ks: Annotated[float | None, _parameter("N/m", "Spring stiffness, each wheel.")] = None,
-    cs: Annotated[float | None, _parameter("N s/m", "Damping rate, each wheel.")] = None,
-    kt: Annotated[float | None, _parameter("N/m", "Tyre stiffness, each wheel.")] = None,
-    ct: Annotated[float | None, _parameter("N s/m", "Tyre damping, each wheel.")] = None,
-    arb: Annotated[float | None, _parameter("N/m", "Anti-roll bar of a roll half car.")] = None,
-    arb_front: Annotated[float | None, _parameter("N/m", "Front anti-roll bar.")] = None,
-    arb_rear: Annotated[float | None, _parameter("N/m", "Rear anti-roll bar.")] = None,
-) -> "Vehicle":
-    """Make the vehicle that a file and options describe; options override the file."""
-    fields = {"ms": ms, "mb": mb, "mu": mu, "ixx": ixx, "iyy": iyy, "a": a, "b": b, "c": c}
-    fields |= {"ks": ks, "cs": cs, "kt": kt, "ct": ct, "arb": arb, "arb_front": arb_front, "arb_rear": arb_rear}
-    given = {name: value for name, value in fields.items() if value is not None}
+        )
+        for name, quantity in PARAMETERS.items()
+        if name not in without
+    ]
+    model = optional(
+        option,
+        str | None,
+        metavar="NAME",
+        help=f"{meaning}: {', '.join(MODELS)}.",
+        show_default=f"the vehicle file's, or {default}",
+    )
+    file = optional(
+        "vehicle",
+        Path | None,
+        metavar="FILE",
+        help="TOML file of a vehicle, as susp-ss metrics --template prints it. The options below override its values, "
+        "or the model's defaults.",
+        show_default=False,
+    )
+    build.__signature__ = inspect.Signature([model, file, *parameters])  # type: ignore[attr-defined]
+    return build
 
+
+def _vehicle(option: str, default: str, model: str | None, file: Path | None, given: dict[str, Any]) -> "Vehicle":
     from ..vehicles.files import model_name, model_named, read_vehicle
 
     with refusals():
-        car = model_named("full" if model is None else model)() if vehicle is None else read_vehicle(vehicle)
+        car = model_named(default if model is None else model)() if file is None else read_vehicle(file)
         if model is not None and type(car) is not model_named(model):
-            raise Refusal(f"--model {model}, but {vehicle} holds the model {model_name(car)!r}")
-    known = [field.name for field in dataclasses.fields(car)]
-    for name in given:
-        if name not in known:
-            raise Refusal(
-                f"{flag(name)}: {type(car).__name__} has no parameter {name!r}, available: {', '.join(known)}"
-            )
+            raise Refusal(f"{flag(option)} {model}, but {file} holds the model {model_name(car)!r}")
+    values = {name: value for name, value in given.items() if value is not None}
+    for name in values:
+        refuse_unknown(car, name, flag(name))
     with refusals():
-        return dataclasses.replace(car, **given)
+        return dataclasses.replace(car, **values)
+
+
+def refuse_unknown(car: "Vehicle", name: str, where: str) -> None:
+    """Refuse a parameter that a vehicle does not have.
+
+    Raises
+    ------
+    Refusal
+    """
+    known = car.quantities()
+    if name not in known:
+        raise Refusal(f"{where}: {type(car).__name__} has no parameter {name!r}, available: {', '.join(known)}")
+
+
+def _road(metavar: str, meaning: str, default: str = "") -> Any:
+    return typer.Option(metavar=metavar, help=meaning, show_default=default or False, rich_help_panel="Road")
 
 
 def road_from_options(
     road_class: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A-H",
-            help="ISO 8608 class, by its geometric mean roughness.",
-            show_default="B",
-            rich_help_panel="Road",
-        ),
+        str | None, _road("A-H", "ISO 8608 class, by its geometric mean roughness.", default="B")
     ] = None,
-    roughness: Annotated[
-        float | None,
-        typer.Option(
-            metavar="m^3",
-            help="G_d(0.1 cycle/m), in place of a class.",
-            show_default=False,
-            rich_help_panel="Road",
-        ),
-    ] = None,
-    speed: Annotated[float, typer.Option(metavar="m/s", help="Speed.", rich_help_panel="Road")] = 20.0,
-    waviness: Annotated[
-        float, typer.Option(metavar="W", help="Exponent of the spectrum, 1 to 4.", rich_help_panel="Road")
-    ] = 2.0,
-    cutoff: Annotated[
-        float, typer.Option(metavar="cycle/m", help="Low-wavenumber cut-off.", rich_help_panel="Road")
-    ] = 0.0,
+    roughness: Annotated[float | None, _road(ROAD["roughness"].unit, "G_d(0.1 cycle/m), in place of a class.")] = None,
+    speed: Annotated[float | None, _road(ROAD["speed"].unit, "Speed.", default="20")] = None,
+    waviness: Annotated[float | None, _road("W", "Exponent of the spectrum, 1 to 4.", default="2")] = None,
+    cutoff: Annotated[float | None, _road(ROAD["cutoff"].unit, "Low-wavenumber cut-off.", default="0")] = None,
     tracks: Annotated[
         str,
         typer.Option(
@@ -149,27 +152,20 @@ def road_from_options(
         ),
     ] = True,
     wheels: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME,...",
-            help="Only these wheels meet the road, the others a flat one.",
-            show_default="all",
-            rich_help_panel="Road",
-        ),
+        str | None, _road("NAME,...", "Only these wheels meet the road, the others a flat one.", default="all")
     ] = None,
 ) -> "Road":
     """Make the road that the options describe."""
-    from ..roads import Road
+    from ..roads.road import Road
 
     if road_class is not None and roughness is not None:
         raise Refusal("--road-class and --roughness are two ways to say one thing; pass one of them")
     only = None if wheels is None else names([wheels])
+    numbers = {"speed": speed, "waviness": waviness, "cutoff": cutoff, "roughness": roughness}
+    given: Any = {name: value for name, value in numbers.items() if value is not None} | {"tracks": tracks}
     with refusals():
         road = Road.iso8608("B" if road_class is None else road_class)
-        if roughness is not None:
-            road = Road(roughness=roughness)
-        rest: Any = {"speed": speed, "waviness": waviness, "cutoff": cutoff, "tracks": tracks, "delay": delay}
-        return dataclasses.replace(road, **rest, wheels=only)
+        return dataclasses.replace(road, **given, delay=delay, wheels=only)
 
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON, SI units, in place of tables.")]

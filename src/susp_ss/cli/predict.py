@@ -15,7 +15,7 @@ from .refusals import Refusal, refusals
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ..surrogate_file import SuspensionSurrogate
+    from ..fit.surrogate_file import SuspensionSurrogate
 
 # Designs that a terminal bears; --out and --json hold all.
 PRINTED = 30

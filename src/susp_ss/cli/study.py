@@ -2,21 +2,18 @@
 
 import functools
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 
-from .folder import check_folder, write_together
+from .folder import check_result
 from .options import Force, Json, built_from, flag, road_from_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
-    from ..roads import Road
-
-SCAN_FILE, SCAN_FIGURE = "scan.csv", "scan.png"
+    from ..roads.road import Road
 
 
 @built_from(road=functools.partial(road_from_options, tracks="isotropic"))
@@ -46,7 +43,7 @@ def run(
         Path | None,
         typer.Option(
             metavar="FOLDER",
-            help=f"Write tables, responses, figures and report.html here ({SCAN_FILE} and {SCAN_FIGURE} with --scan); "
+            help="Write tables, responses, figures and report.html here (scan.csv and scan.png with --scan); "
             "without it nothing is written.",
             show_default=False,
         ),
@@ -66,22 +63,30 @@ def run(
         _scan(10 if nodes is None else nodes, out, force, figures, as_json)
         return
 
-    from .. import feasibility_study
-    from ..report import DATA, FIGURE_FILES, document
+    from ..study import Study, feasibility_study
 
     if out is not None:
-        check_folder(out, (*DATA, *FIGURE_FILES), force)
-    working = Console(stderr=True).status
+        check_result(out, Study, force)
     size = 20 if nodes is None else nodes
-    with refusals(), working("fitting the surrogates"):
+    with refusals(), Console(stderr=True).status("fitting the surrogates"):
         study = feasibility_study(road, corner, (size, size), nonnegative)
-    if out is not None:
-        with refusals(), working(f"writing {out}"):
-            study.save(out, force=force, figures=figures)
     if as_json:
-        typer.echo(json.dumps(document(study), indent=2))
+        from ..presentation.documents import study_document
+
+        _finish(study, out, force, figures, json.dumps(study_document(study), indent=2) + "\n")
     else:
-        typer.echo(study.report(), nl=False)
+        _finish(study, out, force, figures)
+
+
+def _finish(result: Any, out: Path | None, force: bool, figures: bool, text: str = "") -> None:
+    """Write a result where it is asked for, and print it, as its report unless there is another text."""
+    from ..presentation.report import report
+    from ..presentation.save import save
+
+    if out is not None:
+        with refusals(), Console(stderr=True).status(f"writing {out}"):
+            save(result, out, force=force, figures=figures)
+    typer.echo(text or report(result), nl=False)
 
 
 def _refuse_fixed(context: typer.Context) -> None:
@@ -97,20 +102,11 @@ def _refuse_fixed(context: typer.Context) -> None:
 
 
 def _scan(nodes: int, out: Path | None, force: bool, figures: bool, as_json: bool) -> None:
-    from ..scan import scan_report, scan_scenarios
+    from ..study import Scan, scan_scenarios
 
     if out is not None:
-        check_folder(out, (SCAN_FILE, SCAN_FIGURE), force)
+        check_result(out, Scan, force)
     with refusals():
-        table = scan_scenarios((nodes, nodes), progress=Console(stderr=True).is_terminal)
-        if out is not None:
-            files: dict[str, Callable[[Path], object]] = {SCAN_FILE: lambda path: table.to_csv(path, index=False)}
-            if figures:
-                from ..plots import scenario_scan
-
-                files[SCAN_FIGURE] = scenario_scan(table).savefig
-            write_together(out, files)
-    if as_json:
-        typer.echo(table.to_json(orient="records", double_precision=15, indent=2))
-    else:
-        typer.echo(scan_report(table), nl=False)
+        scan = scan_scenarios((nodes, nodes), progress=Console(stderr=True).is_terminal)
+    text = scan.scenarios.to_json(orient="records", double_precision=15, indent=2) + "\n" if as_json else ""
+    _finish(scan, out, force, figures, text)

@@ -1,7 +1,6 @@
 """``susp-ss sweep``: the metrics of a grid of designs, into a store that can be resumed."""
 
 import dataclasses
-import inspect
 import logging
 import time
 from pathlib import Path
@@ -10,37 +9,31 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from .options import built_from, flag, nodes, number, road_from_options, vehicle_from_options
+from ..quantities import PARAMETERS
+from .options import built_from, flag, nodes, number, refuse_unknown, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
-    from ..roads import Road
-    from ..vehicles import Vehicle
+    from ..roads.road import Road
+    from ..vehicles.vehicle import Vehicle
 
 SWEPT = ("ks", "cs")
 """Parameters whose own option takes a range."""
 
 
-def _fixed_vehicle(**given: Any) -> "Vehicle":
-    return vehicle_from_options(**given)
+def _range(name: str) -> Any:
+    quantity = PARAMETERS[name]
+    meaning = f"{quantity.meaning.capitalize()} in {quantity.unit}, each wheel; or one."
+    return typer.Option(metavar="LO:HI:N", help=meaning, show_default=False)
 
 
-_fixed_vehicle.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-    [p for p in inspect.signature(vehicle_from_options).parameters.values() if p.name not in SWEPT]
-)
-
-
-def _range(unit: str, meaning: str) -> Any:
-    return typer.Option(metavar="LO:HI:N", help=f"{meaning} in {unit}, each wheel; or one.", show_default=False)
-
-
-@built_from(vehicle=_fixed_vehicle, road=road_from_options)
+@built_from(vehicle=vehicle_options(without=SWEPT), road=road_from_options)
 def run(
     vehicle: "Vehicle",
     road: "Road",
     store: Annotated[Path, typer.Option(metavar="FOLDER", help="Zarr store to write, or to resume.")],
-    ks: Annotated[str | None, _range("N/m", "Spring stiffnesses")] = None,
-    cs: Annotated[str | None, _range("N s/m", "Damping rates")] = None,
+    ks: Annotated[str | None, _range("ks")] = None,
+    cs: Annotated[str | None, _range("cs")] = None,
     more: Annotated[
         list[str] | None,
         typer.Option(
@@ -70,10 +63,8 @@ def run(
     goes on where this one stopped.
     """
     given = _given({"ks": ks, "cs": cs}, more or [])
-    known = [field.name for field in dataclasses.fields(vehicle)]
     for name, (where, _) in given.items():
-        if name not in known:
-            raise Refusal(f"{where}: {type(vehicle).__name__} has no parameter {name!r}, available: {', '.join(known)}")
+        refuse_unknown(vehicle, name, where)
     axes = {name: nodes(where, text) for name, (where, text) in given.items() if ":" in text}
     fixed = {name: number(where, text) for name, (where, text) in given.items() if name not in axes}
     if not axes:

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..roads import Road
-from ..vehicles import Vehicle
-from ..vehicles.linkage import SecondOrder
+from ..roads.road import Road
+from ..vehicles.second_order import SecondOrder, beyond_rounding
+from ..vehicles.vehicle import Vehicle
 
 
 class Process(NamedTuple):
@@ -113,4 +113,5 @@ def infinite_outputs(model: SecondOrder, excited: list[Process], road: Road) -> 
     It has one only where its spectrum falls off at high frequency, from waviness 3 on.
     """
     weights = np.stack([side for process in excited for side in (process.now, process.later)], axis=-1)
-    return np.any(model.on_road_velocity @ weights != 0.0, axis=-1) & (road.waviness <= 3.0)
+    passed_on, terms = model.on_road_velocity @ weights, np.abs(model.on_road_velocity) @ np.abs(weights)
+    return np.any(beyond_rounding(passed_on, terms), axis=-1) & (road.waviness <= 3.0)

@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ..roads import Road
-from ..vehicles import Vehicle
-from ..vehicles.linkage import SecondOrder
+from ..roads.road import Road
+from ..vehicles.second_order import SecondOrder
+from ..vehicles.vehicle import Vehicle
 from .excitation import check_kinds, delay, processes
 
 
@@ -49,14 +49,15 @@ def frequency_response(vehicle: Vehicle, frequency: ArrayLike) -> xr.DataArray:
     """
     check_kinds(vehicle)
     f = checked_frequency(frequency)
-    sweep = vehicle.sweep()
-    model = vehicle.flattened(sweep).assemble()
-    count = len(model.outputs) - len(model.corners)
+    space = vehicle.design_space()
+    model = vehicle.flattened(space).assemble()
+    public, inputs = model.layout.outputs.public, model.layout.inputs
+    outputs = model.layout.outputs.names[public]
     omega = 2.0 * np.pi * f
     H = 1j * omega[:, None, None] * model.transfer(omega)
-    H = np.broadcast_to(np.moveaxis(H, -3, -1)[..., :count, :, :], (sweep.size, count, len(model.inputs), len(f)))
-    labels = {"output": list(model.outputs[:count]), "input": list(model.inputs), "frequency": f}
-    result = sweep.unflatten(H, ("output", "input", "frequency"), labels).rename("frequency_response")
+    H = np.broadcast_to(np.moveaxis(H, -3, -1)[..., public, :, :], (space.size, len(outputs), len(inputs), len(f)))
+    labels = {"output": list(outputs), "input": list(inputs), "frequency": f}
+    result = space.unflatten(H, ("output", "input", "frequency"), labels).rename("frequency_response")
     result.frequency.attrs["units"] = "Hz"
     return result
 
@@ -97,14 +98,14 @@ def psd(vehicle: Vehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     """
     check_kinds(vehicle, road)
     f = checked_frequency(frequency)
-    sweep = vehicle.sweep()
-    flat = vehicle.flattened(sweep)
+    space = vehicle.design_space()
+    flat = vehicle.flattened(space)
     model = flat.assemble()
-    count = len(model.outputs) - len(model.corners)
-    S = np.moveaxis(output_density(flat, model, road, f), -2, -1)[..., :count, :]
-    S = np.broadcast_to(S, (sweep.size, count, len(f)))
-    labels = {"output": list(model.outputs[:count]), "frequency": f}
-    result = sweep.unflatten(S, ("output", "frequency"), labels).rename("psd")
+    public = model.layout.outputs.public
+    outputs = model.layout.outputs.names[public]
+    S = np.moveaxis(output_density(flat, model, road, f), -2, -1)[..., public, :]
+    S = np.broadcast_to(S, (space.size, len(outputs), len(f)))
+    result = space.unflatten(S, ("output", "frequency"), {"output": list(outputs), "frequency": f}).rename("psd")
     result.frequency.attrs["units"] = "Hz"
     return result
 

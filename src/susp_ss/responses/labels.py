@@ -8,75 +8,71 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..vehicles import Sweep
-from ..vehicles.linkage import SecondOrder, signal
-
-QUANTITIES = {
-    "bacc": ("m/s^2", "body vertical acceleration"),
-    "sws": ("m", "suspension deflection"),
-    "dtl": ("N", "dynamic tyre load"),
-    "pitch_acc": ("rad/s^2", "pitch acceleration"),
-    "roll_acc": ("rad/s^2", "roll acceleration"),
-    "damper_power": ("W", "power dissipated by the suspension damper"),
-}
+from ..quantities import METRICS, Quantity
+from ..vehicles.parameters import DesignSpace
+from ..vehicles.second_order import Layout
 
 
-def unit_of(output: str) -> str:
-    """Unit of an output by its name, such as ``sws`` or ``bacc_fr``."""
-    return next(unit for kind, (unit, _) in QUANTITIES.items() if f"{output}_".startswith(f"{kind}_"))
+def variables(layout: Layout) -> dict[str, tuple[Quantity, tuple[str, ...]]]:
+    """The variables of a vehicle's results: what each is, and where; one place without a name where there is no dim.
+
+    First those of the table of metrics, in its order, then what this vehicle adds.
+    """
+    outputs = layout.outputs
+    measured = {name: (quantity, outputs.places(name)) for name, quantity in outputs.quantities.items()}
+    measured["damper_power"] = METRICS["damper_power"], layout.corners
+    return {name: measured[name] for name in dict.fromkeys([*METRICS, *measured]) if name in measured}
+
+
+def dim_of(quantity: Quantity, places: tuple[str, ...]) -> tuple[str, ...]:
+    """The dim along which the places of a variable lie, if it has several."""
+    return (quantity.dim,) if quantity.dim and places != ("",) else ()
 
 
 def labelled_outputs(
-    model: SecondOrder,
+    layout: Layout,
     values: NDArray[np.float64],
     power: NDArray[np.float64],
-    sweep: Sweep,
+    space: DesignSpace,
     dims: tuple[str, ...] = (),
     coords: dict[str, Any] | None = None,
-    statistic: str = "",
+    long_name: str = "{meaning}",
 ) -> xr.Dataset:
     """Arrange outputs as a Dataset.
 
     Parameters
     ----------
-    model : SecondOrder
+    layout : Layout
         Names the outputs.
     values : ndarray, (designs, outputs, ...)
         In output units, with trailing axes ``dims``.
     power : ndarray, (designs, corners, ...)
         Damper power in W.
-    sweep : Sweep
+    space : DesignSpace
         Labels the designs.
-    statistic : str
-        Put in front of each long name.
+    long_name : str
+        Of every variable, with ``{statistic}`` and ``{meaning}`` of its quantity filled in.
     """
-
-    variables: dict[str, Any] = {}
-    labels: dict[str, Any] = {**sweep.coords, **(coords or {})}
-
-    def add(name: str, data: NDArray[np.float64], dim: str, places: tuple[str, ...]) -> None:
-        several = bool(dim) and places != ("",)
-        if several:
-            labels[dim] = list(places)
-        units, meaning = QUANTITIES[name]
-        shaped = data if several else data[:, 0]
-        variables[name] = (
-            (*sweep.dims, *((dim,) if several else ()), *dims),
-            shaped.reshape((*sweep.shape, *shaped.shape[1:])),
-            {"units": units, "long_name": f"{statistic} {meaning}".strip()},
+    found: dict[str, Any] = {}
+    labels: dict[str, Any] = {**space.coords, **(coords or {})}
+    for name, (quantity, places) in variables(layout).items():
+        data = power if name == "damper_power" else _columns(values, layout.outputs.of(name))
+        dim = dim_of(quantity, places)
+        labels |= {name: list(places) for name in dim}
+        shaped = data if dim else data[:, 0]
+        found[name] = (
+            (*space.dims, *dim, *dims),
+            shaped.reshape((*space.shape, *shaped.shape[1:])),
+            {
+                "units": quantity.unit,
+                "long_name": long_name.format(statistic=quantity.statistic, meaning=quantity.meaning),
+            },
         )
+    return xr.Dataset(found, labels)
 
-    def columns(kind: str, places: tuple[str, ...]) -> NDArray[np.float64]:
-        found = [model.outputs.index(signal(kind, place)) for place in places]
-        if found == list(range(found[0], found[-1] + 1)):
-            return values[:, found[0] : found[-1] + 1]
-        # Taken by rows of the transpose, which keeps one design after another in memory if they are.
-        return np.moveaxis(np.moveaxis(values, 1, 0)[found], 0, 1)
 
-    add("bacc", columns("bacc", model.points), "point", model.points)
-    for kind in ("sws", "dtl"):
-        add(kind, columns(kind, model.corners), "corner", model.corners)
-    for kind in model.rotations:
-        add(kind, columns(kind, ("",)), "", ())
-    add("damper_power", power, "corner", model.corners)
-    return xr.Dataset(variables, labels)
+def _columns(values: NDArray[np.float64], rows: slice | list[int]) -> NDArray[np.float64]:
+    if isinstance(rows, slice):
+        return values[:, rows]
+    # Taken by rows of the transpose, which keeps one design after another in memory if they are.
+    return np.moveaxis(np.moveaxis(values, 1, 0)[rows], 0, 1)

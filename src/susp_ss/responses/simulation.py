@@ -11,9 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from rich.console import Console
 from rich.progress import track
 
-from ..roads import Road, synthesise
-from ..vehicles import Vehicle
-from ..vehicles.linkage import SecondOrder
+from ..quantities import whole_number
+from ..roads.profiles import synthesise
+from ..roads.road import Road
+from ..vehicles.second_order import SecondOrder
+from ..vehicles.vehicle import Vehicle
 from .excitation import check_kinds, delay, infinite_outputs, processes, refuse_unbounded, refuse_undamped
 from .labels import labelled_outputs
 
@@ -21,6 +23,9 @@ Array = NDArray[np.float64]
 
 # Steps times the fastest swing: heights taken as linear over a step weaken that swing by its square over 12.
 RESOLVED = 0.15
+
+# A mode whose imaginary part is a smaller share of its modulus creeps.
+SWINGING = 1e-6
 
 MOST_STEPS = 1e7
 
@@ -64,13 +69,12 @@ def simulate(vehicle: Vehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
     True
     """
     check_kinds(vehicle)
-    model = vehicle._single("simulate()")
+    model = vehicle.single("simulate()")
     t = _checked_time(time)
     z = _checked_profile(profile, tuple(vehicle.wheels), len(t))
     y = _outputs(model, z, t)
-    rate = y[-len(model.corners) :]
-    power = model.damping[:, None] * rate**2
-    history = labelled_outputs(model, y[None], power[None], vehicle.sweep(), ("time",), {"time": t})
+    power = model.damping[:, None] * y[model.layout.outputs.of("dsws")] ** 2
+    history = labelled_outputs(model.layout, y[None], power[None], vehicle.design_space(), ("time",), {"time": t})
     history.time.attrs["units"] = "s"
     return history
 
@@ -101,12 +105,11 @@ def time_variances(vehicle: Vehicle, road: Road, duration: float, step: float, s
             raise ValueError(f"{name} must be > 0 s and finite, got {value!r}")
     if duration < 100 * step:
         raise ValueError(f"duration must be at least 100 steps of {step} s, got {duration} s")
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise TypeError(f"seed must be a whole number >= 0, got {seed!r}")
-    sweep = vehicle.sweep()
-    flat = vehicle.flattened(sweep)
-    designs = track(range(sweep.size), "simulating", console=Console(stderr=True), disable=sweep.size == 1)
-    pairs = [_mean_squares(flat.designs(slice(i, i + 1)), road, duration, step, seed) for i in designs]
+    seed = whole_number("seed", seed, 0)
+    space = vehicle.design_space()
+    flat = vehicle.flattened(space)
+    designs = track(range(space.size), "simulating", console=Console(stderr=True), disable=space.size == 1)
+    pairs = [_mean_squares(flat.select(slice(i, i + 1)), road, duration, step, seed) for i in designs]
     squares, errors = zip(*pairs, strict=True)
     return np.stack(squares), np.stack(errors)
 
@@ -118,7 +121,7 @@ def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, se
     excited = processes(vehicle, road)
     tau = float(delay(vehicle, road)) if any(process.later.any() for process in excited) else 0.0
     eigenvalues = np.linalg.eigvals(model.A)
-    swinging = np.abs(eigenvalues[eigenvalues.imag != 0.0])
+    swinging = np.abs(eigenvalues[np.abs(eigenvalues.imag) > SWINGING * np.abs(eigenvalues)])
     step = min(step, RESOLVED / swinging.max(initial=RESOLVED / step))
     if tau:
         step = tau / np.ceil(tau / step)

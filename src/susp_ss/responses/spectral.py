@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cubature
 
-from ..roads import Road
-from ..vehicles import Vehicle
+from ..roads.road import Road
+from ..vehicles.vehicle import Vehicle
 from .excitation import infinite_outputs, processes, refuse_unbounded, refuse_undamped
 from .frequency import output_density
 
@@ -29,9 +29,9 @@ def spectral_variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
     Adaptive Gauss-Kronrod cubature in log frequency with breaks at the resonances. An output that passes the road's
     velocity straight on has no finite variance unless the waviness exceeds 3.
     """
-    sweep = vehicle.sweep()
-    flat = vehicle.flattened(sweep)
-    return np.stack([_variances(flat.designs(slice(i, i + 1)), road) for i in range(sweep.size)])
+    space = vehicle.design_space()
+    flat = vehicle.flattened(space)
+    return np.stack([_variances(flat.select(slice(i, i + 1)), road) for i in range(space.size)])
 
 
 def _variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:

@@ -126,6 +126,30 @@ class Road:
         """
         return 2.0 * np.pi**2 * REFERENCE_WAVENUMBER**2 * self.roughness * self.speed
 
+    def first_order(self) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+        """The velocity of one track, but for the cut-off, as a white part and first-order terms.
+
+        Returns
+        -------
+        white : float
+            Two-sided density in m^2/s.
+        rates : ndarray, (J,)
+            In rad/m, all different.
+        weights : ndarray, (J,)
+            In m^2/s: ``S(omega) = white + sum weights alpha^2 / (alpha^2 + omega^2)`` with ``alpha = rates V``.
+
+        Raises
+        ------
+        ValueError
+            The road has no such spectrum.
+        """
+        if self.waviness != 2.0:
+            raise ValueError(
+                f"the covariance route needs waviness 2, got {self.waviness:g}: no finite state-space model of such a "
+                'road exists; take ride_metrics(..., method="spectral")'
+            )
+        return self.intensity, np.empty(0), np.empty(0)
+
     def psd(self, n: ArrayLike) -> Any:
         """One-sided displacement spectrum ``G_d(n)`` in m^3 at wavenumbers ``n`` > 0 (cycle/m)."""
         n = _wavenumbers(n)

@@ -199,7 +199,7 @@ def _determined(Z: Array, kernel: str, shape: float, degree: int) -> bool:
         values = np.linalg.svd(P, compute_uv=False)
         if values[-1] <= DEPENDENT * values[0]:
             return False
-    return _reciprocal_condition(_conditions(Z, kernel, shape, degree)) > np.finfo(float).eps
+    return bool(_reciprocal_condition(_conditions(Z, kernel, shape, degree)) > np.finfo(float).eps)
 
 
 def _conditions(Z: Array, kernel: str, shape: float, degree: int) -> Array:

@@ -1,18 +1,21 @@
 """Vehicles: parameters -> masses and links -> second-order matrices -> `control.StateSpace`."""
 
-from .full import FullCar
-from .half import PitchHalfCar, RollHalfCar
-from .parameters import Corners, Sweep
-from .quarter import QuarterCar, RigidTyreQuarterCar
-from .vehicle import Vehicle
+import lazy_loader
 
-__all__ = [
-    "Corners",
-    "FullCar",
-    "PitchHalfCar",
-    "QuarterCar",
-    "RigidTyreQuarterCar",
-    "RollHalfCar",
-    "Sweep",
-    "Vehicle",
-]
+MODELS = {
+    "full": "full.FullCar",
+    "quarter": "quarter.QuarterCar",
+    "rigid-tyre": "quarter.RigidTyreQuarterCar",
+    "pitch-half": "half.PitchHalfCar",
+    "roll-half": "half.RollHalfCar",
+}
+"""Every vehicle: its name in files and on the command line, its module and its class."""
+
+CLASSES: dict[str, list[str]] = {}
+for _place in MODELS.values():
+    _module, _, _class = _place.partition(".")
+    CLASSES.setdefault(_module, []).append(_class)
+
+__getattr__, __dir__, __all__ = lazy_loader.attach(
+    __name__, submod_attrs=CLASSES | {"parameters": ["Corners"], "vehicle": ["Vehicle"]}
+)

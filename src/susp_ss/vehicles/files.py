@@ -13,35 +13,34 @@ their defaults::
 from __future__ import annotations
 
 import codecs
-import dataclasses
+import functools
+import importlib
 import tomllib
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from .full import FullCar
-from .half import PitchHalfCar, RollHalfCar
+from ..quantities import units_of
+from . import MODELS
 from .parameters import Corners
-from .quarter import QuarterCar, RigidTyreQuarterCar
 from .vehicle import Vehicle
 
-MODELS: dict[str, type[Vehicle]] = {
-    "full": FullCar,
-    "quarter": QuarterCar,
-    "rigid-tyre": RigidTyreQuarterCar,
-    "pitch-half": PitchHalfCar,
-    "roll-half": RollHalfCar,
-}
-"""Name of each model in files and on the command line."""
 
-UNITS: dict[str, dict[str, float]] = {
-    "kg": {"kg": 1.0, "t": 1e3},
-    "kg m^2": {"kg m^2": 1.0},
-    "m": {"m": 1.0, "mm": 1e-3},
-    "N/m": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3},
-    "N s/m": {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3},
-}
-"""For each SI unit of a parameter, the units a file may state, and how much of the SI unit one of them is."""
+@functools.cache
+def models() -> dict[str, type[Vehicle]]:
+    """Every vehicle by its name in files and on the command line.
+
+    Examples
+    --------
+    >>> from susp_ss.vehicles.files import models
+    >>> list(models())
+    ['full', 'quarter', 'rigid-tyre', 'pitch-half', 'roll-half']
+    """
+    places = {name: place.partition(".") for name, place in MODELS.items()}
+    return {
+        name: getattr(importlib.import_module(f".{module}", __package__), kind)
+        for name, (module, _, kind) in places.items()
+    }
 
 
 def model_named(name: str) -> type[Vehicle]:
@@ -60,7 +59,7 @@ def model_named(name: str) -> type[Vehicle]:
     """
     if not isinstance(name, str) or name not in MODELS:
         raise ValueError(f"no model named {name!r}, available: {', '.join(MODELS)}")
-    return MODELS[name]
+    return models()[name]
 
 
 def model_name(vehicle: Vehicle) -> str:
@@ -73,7 +72,7 @@ def model_name(vehicle: Vehicle) -> str:
     >>> model_name(RollHalfCar())
     'roll-half'
     """
-    return next(name for name, car in MODELS.items() if car is type(vehicle))
+    return next(name for name, car in models().items() if car is type(vehicle))
 
 
 def read_vehicle(path: str | PathLike[str]) -> Vehicle:
@@ -84,7 +83,7 @@ def read_vehicle(path: str | PathLike[str]) -> Vehicle:
     path : path
         A TOML file: ``model``, and the table ``parameters`` with ``{ value = ..., unit = "..." }`` for each field, or
         one value a corner in place of ``value`` (fr, fl, rr, rl; f, r; or r, l). Fields left out keep their
-        defaults. ``UNITS`` lists the units.
+        defaults. `susp_ss.quantities.UNITS` lists the units.
 
     Returns
     -------
@@ -136,11 +135,11 @@ def vehicle_text(vehicle: Vehicle) -> str:
     ks = { value = 20000.0, unit = "N/m" }  # spring stiffness, > 0
     cs = { value = 1516.5, unit = "N s/m" }  # damping rate, >= 0
     """
-    fields = dataclasses.fields(vehicle)
-    known = dict.fromkeys(field.metadata["unit"] for field in fields)
+    quantities = vehicle.quantities()
+    known = dict.fromkeys(quantity.unit for quantity in quantities.values())
     lines = [
         "# A vehicle for susp-ss. Every value states its unit; a parameter that is left out keeps its default.",
-        f"# Units: {'; '.join(', '.join(UNITS[unit]) for unit in known)}.",
+        f"# Units: {'; '.join(', '.join(units_of(unit)) for unit in known)}.",
     ]
     if vehicle.per_corner:
         values = ", ".join(f"{wheel} = 18.5" for wheel in vehicle.wheels)
@@ -149,11 +148,10 @@ def vehicle_text(vehicle: Vehicle) -> str:
             f'# ks = {{ {values}, unit = "kN/m" }}',
         ]
     lines += [f'model = "{model_name(vehicle)}"', "", "[parameters]"]
-    for field in fields:
+    for name, quantity in quantities.items():
         # Numbers and plain names read the same in TOML as in Python, but for the quotes.
-        parts = ", ".join(f"{key} = {part!r}" for key, part in entry(vehicle, field).items()).replace("'", '"')
-        bound = ">= 0" if field.metadata["zero"] else "> 0"
-        lines.append(f"{field.name} = {{ {parts} }}  # {field.metadata['meaning']}, {bound}")
+        parts = ", ".join(f"{key} = {part!r}" for key, part in entry(vehicle, name).items()).replace("'", '"')
+        lines.append(f"{name} = {{ {parts} }}  # {quantity.meaning}, {quantity.bound}")
     return "\n".join(lines)
 
 
@@ -167,18 +165,18 @@ def vehicle_table(vehicle: Vehicle) -> dict[str, Any]:
     """
     return {
         "model": model_name(vehicle),
-        "parameters": {field.name: entry(vehicle, field) for field in dataclasses.fields(vehicle)},
+        "parameters": {name: entry(vehicle, name) for name in vehicle.quantities()},
     }
 
 
-def entry(vehicle: Vehicle, field: dataclasses.Field) -> dict[str, float | str]:
+def entry(vehicle: Vehicle, name: str) -> dict[str, float | str]:
     """One parameter as a vehicle file holds it: its value, or its value at each wheel, and its unit."""
-    value = getattr(vehicle, field.name)
+    value = getattr(vehicle, name)
     at_wheels = isinstance(value, (Corners, tuple))
     parts = dict(zip(vehicle.wheels, value, strict=True)) if at_wheels else {"value": value}
     if not all(isinstance(part, float) for part in parts.values()):
-        raise ValueError(f"a vehicle file needs one number for every parameter, got an array for {field.name}")
-    return {**parts, "unit": field.metadata["unit"]}
+        raise ValueError(f"a vehicle file needs one number for every parameter, got an array for {name}")
+    return {**parts, "unit": vehicle.quantities()[name].unit}
 
 
 def utf8_text(path: Path) -> str:
@@ -210,18 +208,15 @@ def vehicle_of(table: dict[str, Any]) -> Vehicle:
     parameters = table.get("parameters", {})
     if not isinstance(parameters, dict):
         raise ValueError(f"parameters must be a table, [parameters], got {parameters!r}")
-    fields = {field.name: field for field in dataclasses.fields(car)}
-    _refuse_unknown("parameter", parameters, tuple(fields), f" of the model {table['model']!r}")
-    return car(**{name: _value(car, fields[name], entry) for name, entry in parameters.items()})
+    _refuse_unknown("parameter", parameters, tuple(car.quantities()), f" of the model {table['model']!r}")
+    return car(**{name: _value(car, name, entry) for name, entry in parameters.items()})
 
 
-def _value(car: type[Vehicle], field: dataclasses.Field, entry: Any) -> Any:
-    name, units = field.name, UNITS[field.metadata["unit"]]
-    wheels = tuple(car.wheels) if field.name in car.per_corner else ()
+def _value(car: type[Vehicle], name: str, entry: Any) -> Any:
+    own = car.quantities()[name].unit
+    units, wheels = units_of(own), tuple(car.wheels) if name in car.per_corner else ()
     if not isinstance(entry, dict):
-        raise ValueError(
-            f'{name} must state its unit, {name} = {{ value = ..., unit = "{field.metadata["unit"]}" }}, got {entry!r}'
-        )
+        raise ValueError(f'{name} must state its unit, {name} = {{ value = ..., unit = "{own}" }}, got {entry!r}')
     _refuse_unknown("key", entry, ("value", *wheels, "unit"), f" of {name}")
     unit = entry.get("unit")
     if not isinstance(unit, str) or unit not in units:

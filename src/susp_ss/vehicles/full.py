@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from .half import anti_roll_bar, corners_between
-from .linkage import Linkage, coordinates
-from .parameters import parameter
-from .sections import Mode, Section
-from .vehicle import Vehicle, Wheel
+from .half import corners
+from .linkage import Linkage, Wheel, coordinates
+from .vehicle import Vehicle
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,19 +42,19 @@ class FullCar(Vehicle):
     14
     """
 
-    mb: Any = parameter(1270.0, "kg", "body mass")
-    ixx: Any = parameter(220.45, "kg m^2", "roll inertia")
-    iyy: Any = parameter(1067.22, "kg m^2", "pitch inertia")
-    a: Any = parameter(0.961, "m", "front axle to centre of gravity")
-    b: Any = parameter(1.504, "m", "rear axle to centre of gravity")
-    c: Any = parameter(0.723, "m", "half track width")
-    mu: Any = parameter(45.4, "kg", "unsprung mass")
-    ks: Any = parameter(18553.0, "N/m", "spring stiffness")
-    cs: Any = parameter(1516.5, "N s/m", "damping rate", zero=True)
-    kt: Any = parameter(192e3, "N/m", "tyre stiffness")
-    ct: Any = parameter(0.0, "N s/m", "tyre damping", zero=True)
-    arb_front: Any = parameter(0.0, "N/m", "front anti-roll bar", zero=True)
-    arb_rear: Any = parameter(0.0, "N/m", "rear anti-roll bar", zero=True)
+    mb: Any = 1270.0
+    ixx: Any = 220.45
+    iyy: Any = 1067.22
+    a: Any = 0.961
+    b: Any = 1.504
+    c: Any = 0.723
+    mu: Any = 45.4
+    ks: Any = 18553.0
+    cs: Any = 1516.5
+    kt: Any = 192e3
+    ct: Any = 0.0
+    arb_front: Any = 0.0
+    arb_rear: Any = 0.0
 
     wheels: ClassVar[dict[str, Wheel]] = {
         "fr": Wheel(axle=0, side=-1),
@@ -66,48 +64,25 @@ class FullCar(Vehicle):
     }
     per_corner: ClassVar[tuple[str, ...]] = ("mu", "ks", "cs", "kt", "ct")
 
-    def _linkage(self) -> Linkage:
-        *wheel, heave, pitch, roll = coordinates(*(f"z_u_{name}" for name in self.wheels), "z_b", "theta", "phi")
-        points = {
+    def linkage(self) -> Linkage:
+        *wheels, heave, pitch, roll = coordinates(*(f"z_u_{name}" for name in self.wheels), "z_b", "theta", "phi")
+        mounts = {
             "fr": heave - self.a * pitch - self.c * roll,
             "fl": heave - self.a * pitch + self.c * roll,
             "rr": heave + self.b * pitch - self.c * roll,
             "rl": heave + self.b * pitch + self.c * roll,
         }
-        corners = corners_between(self, dict(zip(self.wheels, wheel, strict=True)), points)
-        road = {name: corner.tyre.elongation + wheel[i] for i, (name, corner) in enumerate(corners.items())}
+        at = corners(self, wheels, mounts)
         return Linkage(
             masses={
-                **dict(zip(wheel, self._at_corners("mu"), strict=True)),
+                **dict(zip(wheels, self.at_wheels("mu"), strict=True)),
                 heave: self.mb,
                 pitch: self.iyy,
                 roll: self.ixx,
             },
-            corners=corners,
-            points={"cg": heave, **points},
+            corners=at,
+            points={"cg": heave, **mounts},
             rotations={"pitch_acc": pitch, "roll_acc": roll},
-            bars=[
-                anti_roll_bar(corners["fr"], corners["fl"], self.arb_front),
-                anti_roll_bar(corners["rr"], corners["rl"], self.arb_rear),
-            ],
-            warp=road["fr"] - road["fl"] - road["rr"] + road["rl"],
-        )
-
-    def sections(self) -> tuple[Section, ...]:
-        right, left, rear_right, rear_left = self._struts()
-        if not (right.equals(left) and rear_right.equals(rear_left)):
-            return ()
-        front, rear = ("fr", "fl"), ("rr", "rl")
-        return (
-            Section(
-                {front: left, rear: rear_left},
-                {
-                    "bacc_cg": Mode(2.0 / self.mb, (1.0, 1.0)),
-                    "pitch_acc": Mode(2.0 / self.iyy, (-self.a, self.b)),
-                },
-            ),
-            Section(
-                {front: left.with_bar(self.arb_front), rear: rear_left.with_bar(self.arb_rear)},
-                {"roll_acc": Mode(2.0 / self.ixx, (self.c, self.c))},
-            ),
+            bars={("fr", "fl"): self.arb_front, ("rr", "rl"): self.arb_rear},
+            warp=at["fr"].road - at["fl"].road - at["rr"].road + at["rl"].road,
         )

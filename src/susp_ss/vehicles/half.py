@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from .linkage import Corner, Link, Linkage, coordinates, track
+from .linkage import Corner, Linkage, Motion, Wheel, coordinates, track
 from .parameters import parameter
-from .sections import Mode, Section
-from .vehicle import Vehicle, Wheel
+from .vehicle import Vehicle
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -37,32 +37,26 @@ class PitchHalfCar(Vehicle):
 
     mb: Any = parameter(635.0, "kg", "body mass of one side")
     iyy: Any = parameter(533.61, "kg m^2", "pitch inertia of one side")
-    a: Any = parameter(0.961, "m", "front axle to centre of gravity")
-    b: Any = parameter(1.504, "m", "rear axle to centre of gravity")
-    mu: Any = parameter(45.4, "kg", "unsprung mass")
-    ks: Any = parameter(18553.0, "N/m", "spring stiffness")
-    cs: Any = parameter(1516.5, "N s/m", "damping rate", zero=True)
-    kt: Any = parameter(192e3, "N/m", "tyre stiffness")
-    ct: Any = parameter(0.0, "N s/m", "tyre damping", zero=True)
+    a: Any = 0.961
+    b: Any = 1.504
+    mu: Any = 45.4
+    ks: Any = 18553.0
+    cs: Any = 1516.5
+    kt: Any = 192e3
+    ct: Any = 0.0
 
     wheels: ClassVar[dict[str, Wheel]] = {"f": Wheel(axle=0, side=0), "r": Wheel(axle=1, side=0)}
     per_corner: ClassVar[tuple[str, ...]] = ("mu", "ks", "cs", "kt", "ct")
 
-    def _linkage(self) -> Linkage:
-        wheel_f, wheel_r, heave, pitch = coordinates("z_u_f", "z_u_r", "z_b", "theta")
-        points = {"f": heave - self.a * pitch, "r": heave + self.b * pitch}
-        wheels = {"f": wheel_f, "r": wheel_r}
+    def linkage(self) -> Linkage:
+        *wheels, heave, pitch = coordinates("z_u_f", "z_u_r", "z_b", "theta")
+        mounts = {"f": heave - self.a * pitch, "r": heave + self.b * pitch}
         return Linkage(
-            masses={**_on_wheels(self, wheels), heave: self.mb, pitch: self.iyy},
-            corners=corners_between(self, wheels, points),
-            points={"cg": heave, **points},
+            masses={**dict(zip(wheels, self.at_wheels("mu"), strict=True)), heave: self.mb, pitch: self.iyy},
+            corners=corners(self, wheels, mounts),
+            points={"cg": heave, **mounts},
             rotations={"pitch_acc": pitch},
         )
-
-    def sections(self) -> tuple[Section, ...]:
-        front, rear = self._struts()
-        body = {"bacc_cg": Mode(1.0 / self.mb, (1.0, 1.0)), "pitch_acc": Mode(1.0 / self.iyy, (-self.a, self.b))}
-        return (Section({("f",): front, ("r",): rear}, body),)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -94,58 +88,32 @@ class RollHalfCar(Vehicle):
 
     mb: Any = parameter(635.0, "kg", "body mass over one axle")
     ixx: Any = parameter(110.225, "kg m^2", "roll inertia over one axle")
-    c: Any = parameter(0.723, "m", "half track width")
-    mu: Any = parameter(45.4, "kg", "unsprung mass")
-    ks: Any = parameter(18553.0, "N/m", "spring stiffness")
-    cs: Any = parameter(1516.5, "N s/m", "damping rate", zero=True)
-    kt: Any = parameter(192e3, "N/m", "tyre stiffness")
-    ct: Any = parameter(0.0, "N s/m", "tyre damping", zero=True)
-    arb: Any = parameter(0.0, "N/m", "anti-roll bar", zero=True)
+    c: Any = 0.723
+    mu: Any = 45.4
+    ks: Any = 18553.0
+    cs: Any = 1516.5
+    kt: Any = 192e3
+    ct: Any = 0.0
+    arb: Any = 0.0
 
     wheels: ClassVar[dict[str, Wheel]] = {"r": Wheel(axle=0, side=-1), "l": Wheel(axle=0, side=1)}
     per_corner: ClassVar[tuple[str, ...]] = ("mu", "ks", "cs", "kt", "ct")
 
-    def _linkage(self) -> Linkage:
-        wheel_r, wheel_l, heave, roll = coordinates("z_u_r", "z_u_l", "z_b", "phi")
-        points = {"r": heave - self.c * roll, "l": heave + self.c * roll}
-        wheels = {"r": wheel_r, "l": wheel_l}
-        corners = corners_between(self, wheels, points)
+    def linkage(self) -> Linkage:
+        *wheels, heave, roll = coordinates("z_u_r", "z_u_l", "z_b", "phi")
+        mounts = {"r": heave - self.c * roll, "l": heave + self.c * roll}
         return Linkage(
-            masses={**_on_wheels(self, wheels), heave: self.mb, roll: self.ixx},
-            corners=corners,
-            points={"cg": heave, **points},
+            masses={**dict(zip(wheels, self.at_wheels("mu"), strict=True)), heave: self.mb, roll: self.ixx},
+            corners=corners(self, wheels, mounts),
+            points={"cg": heave, **mounts},
             rotations={"roll_acc": roll},
-            bars=[anti_roll_bar(corners["r"], corners["l"], self.arb)],
-        )
-
-    def sections(self) -> tuple[Section, ...]:
-        right, left = self._struts()
-        if not right.equals(left):
-            return ()
-        sides = ("r", "l")
-        return (
-            Section({sides: left}, {"bacc_cg": Mode(2.0 / self.mb, (1.0,))}),
-            Section({sides: left.with_bar(self.arb)}, {"roll_acc": Mode(2.0 / self.ixx, (self.c,))}),
+            bars={("r", "l"): self.arb},
         )
 
 
-def _on_wheels(car: Vehicle, wheels: dict) -> dict:
-    return dict(zip(wheels.values(), car._at_corners("mu"), strict=True))
-
-
-def corners_between(car: Vehicle, wheels: dict, points: dict) -> dict[str, Corner]:
-    """A suspension between each wheel and its body point, a tyre between each wheel and its road."""
-    ks, cs, kt, ct = (car._at_corners(name) for name in ("ks", "cs", "kt", "ct"))
-    roads = track(*(f"z_r_{name}" for name in wheels))
-    return {
-        name: Corner(
-            suspension=Link(wheel - points[name], ks[i], cs[i]),
-            tyre=Link(roads[i] - wheel, kt[i], ct[i]),
-        )
-        for i, (name, wheel) in enumerate(wheels.items())
-    }
-
-
-def anti_roll_bar(right: Corner, left: Corner, stiffness: Any) -> Link:
-    """A spring along the difference of two suspension deflections."""
-    return Link(right.suspension.elongation - left.suspension.elongation, stiffness)
+def corners(car: Vehicle, wheels: Sequence[Motion], mounts: Mapping[str, Motion]) -> dict[str, Corner]:
+    """A wheel of the car on its own road, with its own suspension and tyre, under each mount."""
+    roads = track(*(f"z_r_{name}" for name in mounts))
+    values = zip(*(car.at_wheels(name) for name in ("ks", "cs", "kt", "ct")), strict=True)
+    parts = zip(mounts.items(), roads, wheels, values, strict=True)
+    return {name: Corner(road, wheel, mount, *own) for (name, mount), road, wheel, own in parts}

@@ -1,4 +1,4 @@
-"""Parameters of a vehicle: checked numbers, arrays or DataArrays, one value or one a corner, and their sweep."""
+"""Parameters of a vehicle: checked numbers, arrays or DataArrays, one value or one a corner, and what these span."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-# Dims of results; a sweep's own would collide with them.
-RESERVED = {"point", "corner", "state", "state_", "output", "input", "frequency", "time"} | {
-    *("bacc", "sws", "dtl", "pitch_acc", "roll_acc", "damper_power"),
-}
+from ..quantities import DIMS, METRICS, Quantity
+
+# A dim or coordinate of a sweep may not have the name of one of a result's.
+RESERVED = {*DIMS, *METRICS}
 
 
 def parameter(default: Any, unit: str, meaning: str, zero: bool = False) -> Any:
-    """Declare a dataclass field with its unit and bound; ``zero=True`` admits zero."""
-    return dataclasses.field(default=default, metadata={"unit": unit, "meaning": meaning, "zero": zero})
+    """Declare a field that the table of quantities does not know, or knows by another meaning; zero if admitted."""
+    quantity = Quantity("", unit, meaning, bound=">= 0" if zero else "> 0")
+    return dataclasses.field(default=default, metadata={"quantity": quantity})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,7 +54,7 @@ class Corners:
         return iter((self.fr, self.fl, self.rr, self.rl))
 
 
-def checked(value: Any, where: str, unit: str, zero: bool) -> Any:
+def checked(value: Any, where: str, quantity: Quantity) -> Any:
     """Return ``value`` as float, float array or float DataArray, or say what is wrong with it.
 
     The numbers of a lazy DataArray are not known yet: they are checked when its blocks are computed.
@@ -65,7 +66,7 @@ def checked(value: Any, where: str, unit: str, zero: bool) -> Any:
     ValueError
         Empty, not finite, or below the bound.
     """
-    need = f"must be {'>=' if zero else '>'} 0{f' {unit}' if unit else ''}"
+    need = f"must be {quantity.bound} {quantity.unit}".rstrip()
     if lazy(value):
         return _checked_lazy(value, where, need)
     if hasattr(value, "__dask_graph__") and not isinstance(value, xr.DataArray):
@@ -80,7 +81,7 @@ def checked(value: Any, where: str, unit: str, zero: bool) -> Any:
         raise ValueError(f"{where} {need}, got an empty array")
     values = values.astype(float)
     values.flags.writeable = False
-    bad = ~(np.isfinite(values) & (values >= 0.0 if zero else values > 0.0))
+    bad = ~(np.isfinite(values) & (values >= 0.0 if quantity.zero else values > 0.0))
     if bad.any():
         index = np.unravel_index(np.argmax(bad), bad.shape)
         dims = value.dims if isinstance(value, xr.DataArray) else design_dims(values.ndim)
@@ -127,7 +128,7 @@ def design_dims(ndim: int) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class DesignSpace:
     """The designs that a vehicle's array parameters span, in row-major order."""
 
     dims: tuple[str, ...]
@@ -137,7 +138,7 @@ class Sweep:
     _template: xr.DataArray | None
 
     @classmethod
-    def over(cls, values: Iterable[Any], where: str) -> Sweep:
+    def over(cls, values: Iterable[Any], where: str) -> DesignSpace:
         """Broadcast DataArrays by dimension name and plain arrays as numpy does."""
         values = list(values)
         labelled = [x for x in values if isinstance(x, xr.DataArray)]
@@ -165,6 +166,11 @@ class Sweep:
     @property
     def size(self) -> int:
         return int(np.prod(self.shape, dtype=int))
+
+    def place(self, design: int) -> str:
+        """Where a design lies, as the end of a message; nothing where there is one only."""
+        place = zip(self.dims, np.unravel_index(design, self.shape), strict=True)
+        return f" at ({', '.join(f'{dim}={i}' for dim, i in place)})" if self.dims else ""
 
     def flat(self, value: Any) -> float | NDArray[np.float64]:
         """One number, or one for each design."""

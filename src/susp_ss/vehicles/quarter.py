@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from .linkage import Corner, Link, Linkage, coordinates, track
-from .parameters import parameter
-from .sections import Mode, Section
-from .vehicle import Vehicle, Wheel
+from .linkage import Corner, Linkage, Wheel, coordinates, track
+from .vehicle import Vehicle
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,17 +33,20 @@ class RigidTyreQuarterCar(Vehicle):
     array([1.217])
     """
 
-    ms: Any = parameter(317.5, "kg", "sprung mass")
-    ks: Any = parameter(18553.0, "N/m", "spring stiffness")
-    cs: Any = parameter(1516.5, "N s/m", "damping rate", zero=True)
+    ms: Any = 317.5
+    ks: Any = 18553.0
+    cs: Any = 1516.5
 
     wheels: ClassVar[dict[str, Wheel]] = {"": Wheel(axle=0, side=0)}
 
-    def _linkage(self) -> Linkage:
+    def linkage(self) -> Linkage:
         (body,) = coordinates("z_s")
         (road,) = track("z_r")
-        strut = Link(road - body, self.ks, self.cs)
-        return Linkage(masses={body: self.ms}, corners={"": Corner(strut, strut)}, points={"": body})
+        return Linkage(
+            masses={body: self.ms},
+            corners={"": Corner(road, None, body, self.ks, self.cs)},
+            points={"": body},
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,26 +78,20 @@ class QuarterCar(Vehicle):
     ('design',)
     """
 
-    ms: Any = parameter(317.5, "kg", "sprung mass")
-    mu: Any = parameter(45.4, "kg", "unsprung mass")
-    ks: Any = parameter(18553.0, "N/m", "spring stiffness")
-    cs: Any = parameter(1516.5, "N s/m", "damping rate", zero=True)
-    kt: Any = parameter(192e3, "N/m", "tyre stiffness")
-    ct: Any = parameter(0.0, "N s/m", "tyre damping", zero=True)
+    ms: Any = 317.5
+    mu: Any = 45.4
+    ks: Any = 18553.0
+    cs: Any = 1516.5
+    kt: Any = 192e3
+    ct: Any = 0.0
 
     wheels: ClassVar[dict[str, Wheel]] = {"": Wheel(axle=0, side=0)}
 
-    def _linkage(self) -> Linkage:
+    def linkage(self) -> Linkage:
         wheel, body = coordinates("z_u", "z_s")
         (road,) = track("z_r")
-        suspension = Link(wheel - body, self.ks, self.cs)
-        tyre = Link(road - wheel, self.kt, self.ct)
         return Linkage(
             masses={wheel: self.mu, body: self.ms},
-            corners={"": Corner(suspension, tyre)},
+            corners={"": Corner(road, wheel, body, self.ks, self.cs, self.kt, self.ct)},
             points={"": body},
         )
-
-    def sections(self) -> tuple[Section, ...]:
-        (strut,) = self._struts()
-        return (Section({("",): strut}, {"bacc": Mode(1.0 / self.ms, (1.0,))}),)

@@ -5,78 +5,85 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .linkage import Linkage, SecondOrder, signal
-from .parameters import Corners, Sweep, checked, computed, lazy
-from .sections import Section, Strut
+from ..quantities import PARAMETERS, Quantity, signal
+from .decoupled import Half, halves
+from .linkage import Linkage, Wheel
+from .parameters import Corners, DesignSpace, checked, computed, lazy
+from .second_order import Layout, SecondOrder
 
 if TYPE_CHECKING:
     import control
     import pandas as pd
 
 
-class Wheel(NamedTuple):
-    """Where a wheel runs: ``axle`` 0 in front, 1 behind; ``side`` -1 right, +1 left, 0 on the centre line."""
-
-    axle: int
-    side: int
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Vehicle:
-    """A linear vehicle on its wheels: frozen parameters, each a number, an array or a DataArray."""
+    """A linear vehicle on its wheels: frozen parameters, each a number, an array or a DataArray.
+
+    A kind of vehicle states its parameters as fields, its ``wheels``, the fields that each corner may have for itself,
+    and its `linkage`; everything else follows from these.
+    """
 
     wheels: ClassVar[dict[str, Wheel]]
     per_corner: ClassVar[tuple[str, ...]] = ()
 
-    def __post_init__(self) -> None:
-        for field in dataclasses.fields(self):
-            object.__setattr__(self, field.name, self._checked(field))
-        Sweep.over(self._leaves(), type(self).__name__)
+    def linkage(self) -> Linkage:
+        """Masses, corners and links: the vehicle's physics as data."""
+        raise NotImplementedError
 
-    def _checked(self, field: dataclasses.Field) -> Any:
-        value = getattr(self, field.name)
-        where = f"{type(self).__name__}({field.name}=...)"
-        rule = {"unit": field.metadata["unit"], "zero": field.metadata["zero"]}
-        if isinstance(value, Corners) and field.name in self.per_corner and len(self.wheels) == 4:
+    def __post_init__(self) -> None:
+        for name, quantity in self.quantities().items():
+            object.__setattr__(self, name, self._checked(name, quantity))
+        self.design_space()
+
+    @classmethod
+    @cache
+    def quantities(cls) -> dict[str, Quantity]:
+        """What each parameter is: as its field says, or as the table of quantities knows its name."""
+        known = {}
+        for field in dataclasses.fields(cls):
+            quantity = field.metadata.get("quantity", PARAMETERS.get(field.name))
+            if quantity is None:
+                raise TypeError(
+                    f"{cls.__name__}.{field.name} is no known quantity; say what it is: "
+                    f"{field.name}: Any = parameter(default, unit, meaning)"
+                )
+            known[field.name] = quantity._replace(name=field.name)
+        return known
+
+    def _checked(self, name: str, quantity: Quantity) -> Any:
+        value = getattr(self, name)
+        where = f"{type(self).__name__}({name}=...)"
+        if isinstance(value, Corners) and name in self.per_corner and len(self.wheels) == 4:
             parts = zip(Corners.__dataclass_fields__, value, strict=True)
-            return Corners(**{name: checked(part, f"{where} at corner {name}", **rule) for name, part in parts})
-        if isinstance(value, tuple) and field.name in self.per_corner:
+            return Corners(**{corner: checked(part, f"{where} at corner {corner}", quantity) for corner, part in parts})
+        if isinstance(value, tuple) and name in self.per_corner:
             if len(self.wheels) != 2 or len(value) != 2:
                 raise ValueError(
                     f"{where} got the tuple {value!r}; pass one value, or "
                     + ("(first, second)" if len(self.wheels) == 2 else "Corners(fr=, fl=, rr=, rl=)")
                 )
-            return tuple(
-                checked(part, f"{where} at end {name}", **rule) for name, part in zip(self.wheels, value, strict=True)
-            )
+            ends = zip(self.wheels, value, strict=True)
+            return tuple(checked(part, f"{where} at end {end}", quantity) for end, part in ends)
         if isinstance(value, Corners):
-            takes = "(first, second)" if field.name in self.per_corner else "one value"
+            takes = "(first, second)" if name in self.per_corner else "one value"
             raise TypeError(f"{where} takes {takes}, got Corners")
-        return checked(value, where, **rule)
+        return checked(value, where, quantity)
 
     def _leaves(self) -> list[Any]:
         """Every parameter value, those of the corners one by one."""
         values = [getattr(self, field.name) for field in dataclasses.fields(self)]
         return [leaf for x in values for leaf in (x if isinstance(x, (Corners, tuple)) else (x,))]
 
-    def _at_corners(self, name: str) -> tuple[Any, ...]:
+    def at_wheels(self, name: str) -> tuple[Any, ...]:
+        """A parameter's value at each wheel, in the order of ``wheels``."""
         value = getattr(self, name)
         return tuple(value) if isinstance(value, (Corners, tuple)) else (value,) * len(self.wheels)
-
-    def _linkage(self) -> Linkage:
-        raise NotImplementedError
-
-    def sections(self) -> tuple[Section, ...]:
-        """The mean of left and right, then half their difference; none where the two sides differ."""
-        return ()
-
-    def _struts(self) -> tuple[Strut, ...]:
-        return tuple(map(Strut, *(self._at_corners(name) for name in Strut._fields)))
 
     @property
     def wheelbase(self) -> Any:
@@ -88,23 +95,23 @@ class Vehicle:
         """Distance between left and right wheels in m, ``2 c``; 0 for a single-track vehicle."""
         return 2.0 * getattr(self, "c", 0.0)
 
-    def sweep(self) -> Sweep:
+    def design_space(self) -> DesignSpace:
         """The designs that this vehicle's parameters span."""
-        return Sweep.over(self._leaves(), type(self).__name__)
+        return DesignSpace.over(self._leaves(), type(self).__name__)
 
     @property
     def lazy(self) -> bool:
         """Whether some parameter's values are computed later."""
         return any(map(lazy, self._leaves()))
 
-    def flattened(self, sweep: Sweep) -> Self:
+    def flattened(self, space: DesignSpace) -> Self:
         """The same designs in one row: every parameter a number, or an array over the designs; lazy ones computed."""
         known = dataclasses.replace(self.mapped(computed)) if self.lazy else self
-        return known.mapped(sweep.flat)
+        return known.mapped(space.flat)
 
-    def designs(self, chosen: slice | NDArray[np.int_]) -> Self:
+    def select(self, designs: slice | NDArray[np.int_]) -> Self:
         """Some of the designs of a flattened vehicle."""
-        return self.mapped(lambda x: x[chosen] if isinstance(x, np.ndarray) else x)
+        return self.mapped(lambda x: x[designs] if isinstance(x, np.ndarray) else x)
 
     def mapped(self, function: Any) -> Self:
         """The same vehicle with a function applied to every parameter value, unchecked."""
@@ -124,15 +131,24 @@ class Vehicle:
 
     def assemble(self) -> SecondOrder:
         """Matrices of the second-order model, stacked over the designs of a flattened vehicle."""
-        return self._linkage().assemble()
+        return self.linkage().assemble()
+
+    def halves(self) -> tuple[Half, ...]:
+        """The mean of left and right, and half their difference, of a flattened vehicle.
+
+        There are none where the sides differ, and none of a kind of vehicle that has matrices of its own: its linkage
+        does not answer for them.
+        """
+        return halves(self.linkage(), self.wheels) if type(self).assemble is Vehicle.assemble else ()
 
     @classmethod
     @cache
-    def layout(cls) -> SecondOrder:
-        """The default vehicle, for the names that all of its kind share: coordinates, corners, points and outputs."""
-        return cls().assemble()
+    def layout(cls) -> Layout:
+        """The names that all of its kind share: coordinates, inputs, corners and outputs."""
+        return cls().linkage().layout
 
-    def _single(self, what: str) -> SecondOrder:
+    def single(self, what: str) -> SecondOrder:
+        """Matrices of the one design, for a method that takes no more than one."""
         if any(not isinstance(leaf, float) for leaf in self._leaves()):
             raise ValueError(f"{type(self).__name__}.{what} needs one number for every parameter, got arrays")
         return self.assemble()
@@ -179,34 +195,33 @@ class Vehicle:
             raise TypeError(f"actuators must be True or False, got {actuators!r}")
         if input not in ("displacement", "velocity"):
             raise ValueError(f"input must be 'displacement' or 'velocity', got {input!r}")
-        model = self._single("state_space()")
-        last = len(model.outputs) if actuators else len(model.outputs) - len(model.corners)
-        outputs = model.outputs[:last]
+        model = self.single("state_space()")
+        layout, table = model.layout, model.layout.outputs
+        rows = slice(len(table)) if actuators else table.public
+        outputs = table.names[rows]
         if input == "velocity":
             A, B, Y, D = model.velocity_form()
-            states, inputs = model.relative_states, tuple(f"d{name}" for name in model.inputs)
+            states, inputs = layout.relative_states, tuple(f"d{name}" for name in layout.inputs)
         else:
             A, B, Y, D, D1 = model.displacement_form()
-            improper = [name for name, row in zip(outputs, D1, strict=False) if np.any(row != 0.0)]
+            improper = [name for name, row in zip(outputs, D1, strict=False) if np.any(row)]
             if improper:
                 raise ValueError(
                     f"{', '.join(improper)}: no state space from the displacement of the road exists, as its velocity "
                     'is passed straight on; pass input="velocity"'
                 )
-            states = model.coordinates + tuple(f"d{name}" for name in model.coordinates)
-            inputs = model.inputs
+            states, inputs = layout.states, layout.inputs
         if actuators:
-            push = -model.minv * model.R[model.strut].T
-            B_u = np.zeros((len(A), len(model.corners)))
+            push = -model.minv * model.R[model.suspensions].T
+            B_u = np.zeros((len(A), len(layout.corners)))
             B_u[len(push) : 2 * len(push)] = push
             D_u = model.acceleration @ push
             # On a rigid tyre the road carries what the actuator pushes with.
-            loads = [model.outputs.index(signal("dtl", corner)) for corner in model.corners]
-            D_u[loads] += np.diag(model.strut == model.tread)
+            D_u[table.of("dtl")] += np.diag(model.suspensions == model.tyres)
             B, D = np.hstack([B, B_u]), np.hstack([D, D_u])
-            inputs = inputs + tuple(signal("u", corner) for corner in model.corners)
+            inputs = inputs + tuple(signal("u", corner) for corner in layout.corners)
         return control.ss(
-            A, B, Y[:last], D[:last], states=states, inputs=inputs, outputs=outputs, name=type(self).__name__
+            A, B, Y[rows], D[rows], states=states, inputs=inputs, outputs=outputs, name=type(self).__name__
         )
 
     def natural_frequencies(self) -> NDArray[np.float64]:
@@ -220,12 +235,13 @@ class Vehicle:
         >>> QuarterCar().natural_frequencies().round(2)
         array([ 1.16, 10.84])
         """
-        sweep = self.sweep()
-        model = self.flattened(sweep).assemble()
+        space = self.design_space()
+        model = self.flattened(space).assemble()
         root = np.sqrt(model.m)
-        eigenvalues = np.linalg.eigvalsh(model.K / (root[..., :, None] * root[..., None, :]))
+        normalised = model.K / (root[..., :, None] * root[..., None, :])
+        eigenvalues = np.linalg.eigvalsh(normalised) if model.symmetric else _ascending(normalised)
         frequencies = np.sqrt(np.maximum(eigenvalues, 0.0)) / (2.0 * np.pi)
-        return np.broadcast_to(frequencies, (sweep.size, root.shape[-1])).reshape(*sweep.shape, -1)
+        return np.broadcast_to(frequencies, (space.size, root.shape[-1])).reshape(*space.shape, -1)
 
     def modes(self) -> pd.DataFrame:
         """Damped modes, slowest first.
@@ -248,8 +264,8 @@ class Vehicle:
         """
         import pandas as pd
 
-        model = self._single("modes()")
-        n = len(model.coordinates)
+        model = self.single("modes()")
+        n = len(model.layout.coordinates)
         eigenvalues, vectors = np.linalg.eig(model.A)
         keep = np.flatnonzero(eigenvalues.imag >= 0.0)
         keep = keep[np.argsort(np.abs(eigenvalues[keep]))]
@@ -259,6 +275,11 @@ class Vehicle:
             {
                 "frequency": np.abs(poles) / (2.0 * np.pi),
                 "damping_ratio": -poles.real / np.abs(poles),
-                "shape": [pd.Series(shape, index=model.coordinates) for shape in shapes.T],
+                "shape": [pd.Series(shape, index=model.layout.coordinates) for shape in shapes.T],
             }
         )
+
+
+def _ascending(matrices: NDArray) -> NDArray[np.float64]:
+    """Real parts of the eigenvalues of matrices that need not be symmetric, ascending."""
+    return np.sort(np.linalg.eigvals(matrices).real, axis=-1)

@@ -1,0 +1,247 @@
+"""Tuned surrogates of an expensive model in a file of plain numbers, with the cheap model that they evaluate."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from ..roads.road import Road
+from ..surrogates.numbers import from_numbers, to_numbers
+from ..surrogates.regressor import Surrogate
+from ..vehicles.files import utf8_text, vehicle_of, vehicle_table
+from .low_fidelity import LowFidelity
+
+FORMAT = "susp_ss surrogate"
+
+VERSION = 1
+"""Of the file's layout; files of a later one are refused."""
+
+
+@dataclass(frozen=True, eq=False)
+class SuspensionSurrogate:
+    """One fitted surrogate for each output of an expensive model, on the same inputs.
+
+    Parameters
+    ----------
+    inputs, outputs : dict of str to str
+        Unit of each, SI where the package knows the name.
+    models : dict of str to Surrogate
+        For each output, fitted on a DataFrame of the inputs.
+    low_fidelity : LowFidelity
+        The cheap model behind those that have one.
+    accuracy : dict of str to dict, optional
+        What is known of each output's error, plain numbers.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> from susp_ss import LowFidelity, Polynomial, QuarterCar, Road
+    >>> from susp_ss.fit.surrogate_file import SuspensionSurrogate
+    >>> runs = pd.DataFrame({"ks": [15e3, 20e3, 25e3]})
+    >>> models = {"sws": Polynomial(degree=1).fit(runs, [0.010, 0.009, 0.008])}
+    >>> surrogate = SuspensionSurrogate({"ks": "N/m"}, {"sws": "m"}, models, LowFidelity(QuarterCar(), Road()))
+    >>> surrogate.predict(pd.DataFrame({"ks": [18e3]})).round(9)
+          sws
+    0  0.0094
+    """
+
+    inputs: dict[str, str]
+    outputs: dict[str, str]
+    models: dict[str, Surrogate]
+    low_fidelity: LowFidelity
+    accuracy: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+    def predict(self, designs: pd.DataFrame | Mapping[str, ArrayLike], return_std: bool = False) -> pd.DataFrame:
+        """Predict every output at designs.
+
+        Parameters
+        ----------
+        designs : DataFrame (n, k) or mapping of columns
+            The inputs by name, in any order.
+        return_std : bool
+            Add ``<output>_std`` where the surrogate has a predictive standard deviation.
+
+        Returns
+        -------
+        DataFrame, (n, m)
+            With the index of the designs.
+
+        Raises
+        ------
+        ValueError
+            An input is missing or unknown, or not a number.
+
+        Warns
+        -----
+        ExtrapolationWarning
+            Designs outside the box of the runs.
+        """
+        X = self._designs(designs)
+        predicted: dict[str, NDArray[np.float64]] = {}
+        for name, model in self.models.items():
+            if return_std and "return_std" in inspect.signature(model.predict).parameters:
+                predicted[name], predicted[f"{name}_std"] = model.predict(X, return_std=True)
+            else:
+                predicted[name] = model.predict(X)
+        return pd.DataFrame(predicted, index=X.index)
+
+    @property
+    def box(self) -> dict[str, tuple[float, float]]:
+        """Lowest and highest value of each input in the runs."""
+        model = next(iter(self.models.values()))
+        return dict(zip(self.inputs, zip(model.lowest_.tolist(), model.highest_.tolist(), strict=True), strict=True))
+
+    def outside(self, designs: pd.DataFrame | Mapping[str, ArrayLike]) -> NDArray[np.bool_]:
+        """Which of the designs (n,) lie outside the box of the runs."""
+        X = self._designs(designs)
+        return np.any([model.outside(X) for model in self.models.values()], axis=0)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write a JSON file of plain numbers, for `load_surrogate`; a file of that name is replaced at once.
+
+        Raises
+        ------
+        OSError
+            The file cannot be written; nothing half written is left.
+        """
+        target = Path(path)
+        text = json.dumps(self.document(), indent=1, allow_nan=False) + "\n"
+        with tempfile.TemporaryDirectory(prefix=".susp_ss-", dir=target.parent) as scratch:
+            written = Path(scratch, target.name)
+            written.write_text(text, encoding="utf-8")
+            os.replace(written, target)
+
+    def document(self) -> dict[str, Any]:
+        """Everything, as JSON knows it."""
+        from .. import __version__
+
+        cheap = self.low_fidelity
+        return {
+            "format": FORMAT,
+            "version": VERSION,
+            "susp_ss": __version__,
+            "inputs": self.inputs,
+            "low_fidelity": {
+                "vehicle": vehicle_table(cheap.vehicle),
+                "road": dataclasses.asdict(cheap.road),
+                "place": cheap.place,
+                "parameter": cheap.parameter,
+            },
+            "outputs": {
+                name: {"unit": unit, "accuracy": self.accuracy.get(name, {}), **to_numbers(self.models[name])}
+                for name, unit in self.outputs.items()
+            },
+        }
+
+    def _designs(self, designs: pd.DataFrame | Mapping[str, ArrayLike]) -> pd.DataFrame:
+        table = pd.DataFrame(dict(designs)) if isinstance(designs, Mapping) else designs
+        if not isinstance(table, pd.DataFrame):
+            raise TypeError(f"designs must be a DataFrame or columns by name, got {designs!r}")
+        if set(table.columns) != set(self.inputs):
+            raise ValueError(
+                f"designs must have the columns {', '.join(self.inputs)}, got {', '.join(map(str, table.columns))}"
+            )
+        return table[list(self.inputs)]
+
+
+def load_surrogate(path: str | PathLike[str]) -> SuspensionSurrogate:
+    """Read a surrogate file, as ``susp-ss fit`` or `SuspensionSurrogate.save` wrote it.
+
+    Parameters
+    ----------
+    path : path
+
+    Returns
+    -------
+    SuspensionSurrogate
+        It predicts to the last digit what the saved one did, on the same libraries.
+
+    Raises
+    ------
+    OSError
+        The file cannot be read.
+    ValueError
+        The file is truncated or damaged (with line and column), no surrogate's, or of a newer version. The message
+        begins with its name.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import numpy as np, pandas as pd, susp_ss as ss
+    >>> from susp_ss.fit.surrogate_file import SuspensionSurrogate
+    >>> cheap = ss.LowFidelity(ss.QuarterCar(), ss.Road())
+    >>> runs = pd.DataFrame({"ks": [15e3, 20e3, 25e3], "cs": [1e3, 2e3, 1e3]})
+    >>> fitted = ss.ResponseBased(cheap.response("sws", list(runs))).fit(runs, [0.010, 0.007, 0.009])
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "surrogate.json")
+    >>> units = {"ks": "N/m", "cs": "N s/m"}
+    >>> SuspensionSurrogate(units, {"sws": "m"}, {"sws": fitted}, cheap).save(path)
+    >>> bool(ss.load_surrogate(path).predict(runs).sws[1] == fitted.predict(runs)[1])
+    True
+    """
+    text = utf8_text(Path(path))
+    try:
+        document = json.loads(text, parse_constant=_refuse_constant)
+    except RecursionError:
+        raise ValueError(f"{path}: not a surrogate file: nested too deeply") from None
+    except json.JSONDecodeError as error:
+        raise ValueError(
+            f"{path}: not a surrogate file, or cut short: {error.msg} (at line {error.lineno}, column {error.colno})"
+        ) from None
+    except ValueError as error:
+        raise ValueError(f"{path}: not a surrogate file: {error}") from None
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise ValueError(f'{path}: not a surrogate file: it must say "format": "{FORMAT}"')
+    version = document.get("version")
+    if not isinstance(version, int) or isinstance(version, bool) or version < 1:
+        raise ValueError(f"{path}: damaged: version must be a whole number >= 1, got {version!r}")
+    if version > VERSION:
+        raise ValueError(
+            f"{path}: written by a newer susp_ss ({document.get('susp_ss')}, file version {version}), this one reads "
+            f"up to file version {VERSION}; install that version"
+        )
+    try:
+        return _restored(document)
+    except KeyError as error:
+        raise ValueError(f"{path}: damaged: {error} is missing") from error
+    except (ValueError, TypeError, AttributeError, IndexError) as error:
+        raise ValueError(f"{path}: damaged: {error}") from error
+
+
+def _restored(document: dict[str, Any]) -> SuspensionSurrogate:
+    inputs, cheap, outputs = document["inputs"], document["low_fidelity"], document["outputs"]
+    low_fidelity = LowFidelity(vehicle_of(cheap["vehicle"]), Road(**cheap["road"]), cheap["place"], cheap["parameter"])
+    columns = list(inputs)
+    if not outputs:
+        raise ValueError("it has no outputs")
+    models = {}
+    for name, output in outputs.items():
+        if output["columns"] != columns:
+            raise ValueError(f"{name} must have the columns {', '.join(columns)}, got {output['columns']!r}")
+        tuned = output["kind"] == "ParameterBased"
+        models[name] = from_numbers(output, low_fidelity.response(name, columns, tuned))
+        somewhere = np.nan_to_num([models[name].lowest_], posinf=1.0, neginf=1.0)
+        if not np.isfinite(models[name].predict(pd.DataFrame(somewhere, columns=columns))).all():
+            raise ValueError(f"{name} has no finite value at {dict(zip(columns, *somewhere.tolist(), strict=True))}")
+    return SuspensionSurrogate(
+        inputs,
+        {name: output["unit"] for name, output in outputs.items()},
+        models,
+        low_fidelity,
+        {name: output["accuracy"] for name, output in outputs.items()},
+    )
+
+
+def _refuse_constant(name: str) -> None:
+    raise ValueError(f"it holds {name}, which is no number")

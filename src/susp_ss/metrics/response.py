@@ -1,0 +1,191 @@
+"""From vehicles to surrogates: a ride metric as a function of designs, a row of numbers each."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..quantities import ROAD
+from ..responses.excitation import check_kinds
+from ..responses.labels import dim_of, variables
+from ..responses.settings import settable
+from ..roads.road import Road
+from ..vehicles.parameters import Corners
+from ..vehicles.vehicle import Vehicle
+from .ride import ride_metrics
+
+Array = NDArray[np.float64]
+
+
+class Response:
+    """One metric of one vehicle as a function of design variables: the bridge from vehicles to surrogates.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One number for every parameter; the inputs replace some of them.
+    road : Road
+        What the vehicle runs over.
+    criterion : str
+        Name of a variable of `ride_metrics`.
+    at : str, optional
+        The point or corner, where the criterion has several.
+    inputs : sequence of str
+        What the columns of X set, in SI units: fields of the vehicle; of a field that a corner may have for itself,
+        ``"ks"`` at all corners or ``"ks_fr"`` at one; and ``"speed"``, ``"roughness"`` or ``"cutoff"`` of the road.
+    parameter : str, optional
+        One more of these, that a second argument sets: ``response(X, value)``, for `ParameterBased`.
+
+    Attributes
+    ----------
+    parameter_value : float
+        The vehicle's or road's own value of ``parameter``.
+    value_per_design : bool
+        True: the second argument may be one value for each design.
+
+    Raises
+    ------
+    TypeError, ValueError
+        An unknown criterion, place or field; each names what is available.
+
+    Notes
+    -----
+    A million designs of a quarter car take a tenth of a second. Each different speed takes a call of its own, but for
+    a single wheel on a road without cut-off, where speed and roughness only scale the metric.
+
+    Examples
+    --------
+    >>> from susp_ss import QuarterCar, Response, Road
+    >>> response = Response(QuarterCar(), Road(), "sws", parameter="ms")
+    >>> X = [[18e3, 1500.0], [20e3, 1500.0]]
+    >>> response(X, 317.5).shape
+    (2,)
+    >>> bool((response(X, 400.0) > response(X)).all())
+    True
+    """
+
+    value_per_design = True
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        road: Road,
+        criterion: str = "bacc",
+        at: str | None = None,
+        inputs: Sequence[str] = ("ks", "cs"),
+        parameter: str | None = None,
+    ):
+        check_kinds(vehicle, road)
+        if vehicle.design_space().dims:
+            raise ValueError("Response needs a vehicle with one number for every parameter, got arrays")
+        if not isinstance(criterion, str):
+            raise TypeError(f"criterion must be the name of a metric, such as 'bacc', got {criterion!r}")
+        if isinstance(inputs, str) or not isinstance(inputs, Sequence):
+            raise TypeError(f'inputs must be a sequence of field names such as ("ks", "cs"), got {inputs!r}')
+        known = settable(vehicle)
+        named = (*inputs, *(() if parameter is None else (parameter,)))
+        for name in named:
+            if name not in known:
+                raise ValueError(
+                    f"{type(vehicle).__name__} has no parameter named {name!r}, available: {', '.join(known)}"
+                )
+        if len(inputs) == 0 or len({*named}) != len(named):
+            raise ValueError(f"inputs and parameter must be different fields, got {tuple(inputs)} and {parameter!r}")
+        for name in named:
+            if known[name].wheel is not None and known[name].field in named:
+                raise ValueError(f"{name!r} and {known[name].field!r} set one parameter, got both; pass one of them")
+        self.vehicle, self.road, self.criterion, self.at = vehicle, road, criterion, at
+        self.inputs, self.parameter = tuple(inputs), parameter
+        self._check_place()
+        if parameter is not None:
+            value = self.own(parameter)
+            if isinstance(value, float):
+                self.parameter_value = value
+
+    def own(self, name: str) -> Any:
+        """Return the vehicle's or the road's own value of an input or parameter."""
+        field, wheel, _ = settable(self.vehicle)[name]
+        if field in ROAD:
+            return getattr(self.road, field)
+        return getattr(self.vehicle, field) if wheel is None else self._at_wheels(field)[wheel]
+
+    def _at_wheels(self, field: str) -> dict[str, Any]:
+        return dict(zip(self.vehicle.wheels, self.vehicle.at_wheels(field), strict=True))
+
+    def _check_place(self) -> None:
+        measured = variables(self.vehicle.layout())
+        if self.criterion not in measured:
+            raise ValueError(f"no criterion named {self.criterion!r}, available: {', '.join(measured)}")
+        quantity, places = measured[self.criterion]
+        if dim_of(quantity, places) and self.at not in places:
+            raise ValueError(f"no {quantity.dim} named {self.at!r}, available: {', '.join(places)}")
+        if not dim_of(quantity, places) and self.at is not None:
+            raise ValueError(
+                f"{self.criterion} of {type(self.vehicle).__name__} has one place only, got at={self.at!r}"
+            )
+
+    def __call__(self, X: ArrayLike, value: ArrayLike | None = None) -> Array:
+        """Evaluate the metric at designs X (n, inputs), with ``value`` for the parameter if one is named."""
+        names = getattr(X, "columns", self.inputs)
+        if set(names) != set(self.inputs):
+            raise ValueError(f"X must have the columns {', '.join(self.inputs)}, got {', '.join(map(str, names))}")
+        columns = np.asarray(X if names is self.inputs else X[list(self.inputs)])  # type: ignore[index, call-overload]
+        if columns.dtype.kind not in "iuf":
+            raise TypeError(f"X must be numbers, one row a design and a column for {', '.join(self.inputs)}, got {X!r}")
+        if columns.ndim != 2 or columns.shape[1] != len(self.inputs):
+            raise ValueError(
+                f"X must have shape (n, {len(self.inputs)}) with columns {', '.join(self.inputs)}, got {columns.shape}"
+            )
+        settings: dict[str, Any] = dict(zip(self.inputs, columns.T, strict=True))
+        if value is not None:
+            if self.parameter is None:
+                raise ValueError("a value was given, but Response(parameter=...) names no parameter to set")
+            if np.ndim(value) and np.shape(value) != (len(columns),):
+                raise ValueError(f"value must be one number or one a design, {(len(columns),)}, got {np.shape(value)}")
+            settings[self.parameter] = np.broadcast_to(np.asarray(value), len(columns))
+        ofroad = {name: settings.pop(name) for name in ROAD if name in settings}
+        if not ofroad:
+            return self._metric(self.road, settings, len(columns))
+        return self._on_roads(ofroad, settings, len(columns))
+
+    def _metric(self, road: Road, settings: Mapping[str, Array], n: int) -> Array:
+        """The metric (n,) of the vehicles that columns of numbers make."""
+        known, fields = settable(self.vehicle), dict[str, Any]()
+        for name, column in settings.items():
+            field, wheel, _ = known[name]
+            if wheel is None:
+                fields[field] = column
+            else:
+                fields.setdefault(field, self._at_wheels(field))[wheel] = column
+        for field, values in fields.items():
+            if isinstance(values, dict):
+                fields[field] = Corners(**values) if len(values) == 4 else tuple(values.values())
+        metric = ride_metrics(dataclasses.replace(self.vehicle, **fields), road)[self.criterion]
+        return np.broadcast_to((metric if self.at is None else metric.sel({metric.dims[-1]: self.at})).to_numpy(), n)
+
+    def _on_roads(self, ofroad: Mapping[str, Array], settings: Mapping[str, Array], n: int) -> Array:
+        """The metric (n,) where designs have roads of their own, one call for all that share one."""
+        roads = {name: np.broadcast_to(getattr(self.road, name), n) for name in ROAD} | dict(ofroad)
+        for name, column in ofroad.items():
+            for end in (column.min(), column.max()):
+                self._road({name: float(end)})
+        power = 1.0 if self.criterion == "damper_power" else 0.5
+        scale = np.ones(n)
+        alone = len(self.vehicle.wheels) == 1 and not np.any(roads["cutoff"])
+        for name, exponent in (("roughness", 1.0), *((("speed", self.road.waviness - 1.0),) if alone else ())):
+            scale = scale * (roads[name] / getattr(self.road, name)) ** (exponent * power)
+            roads[name] = np.broadcast_to(getattr(self.road, name), n)
+        metric = np.empty(n)
+        different, group = np.unique(np.stack(list(roads.values())), axis=1, return_inverse=True)
+        for i, parameters in enumerate(different.T.tolist()):
+            here = np.flatnonzero(group == i)
+            road = self._road(dict(zip(roads, parameters, strict=True)))
+            metric[here] = self._metric(road, {name: column[here] for name, column in settings.items()}, len(here))
+        return scale * metric
+
+    def _road(self, parameters: dict[str, Any]) -> Road:
+        return dataclasses.replace(self.road, **parameters)

@@ -1,0 +1,70 @@
+"""Results as JSON knows them: dictionaries of plain values, in which NaN becomes null."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ..fit.fitting import Fit
+from ..study.feasibility import Study
+from ..study.published import CRITERIA, SURROGATES
+from .versions import versions
+
+TITLE = "Feasibility study of surrogate model for the application of vehicle suspension system, 2021"
+
+
+def study_document(study: Study) -> dict[str, Any]:
+    """Everything of a study but the responses."""
+    tables: dict[str, Any] = {surrogate: {criterion: {} for criterion in CRITERIA} for surrogate in SURROGATES}
+    for row in study.comparison().to_dict("records"):
+        entry = {"unit": row["unit"], "ours": _json(row["ours"]), "published": _json(row["published"])}
+        tables[row["surrogate"]][row["criterion"]][row["quantity"]] = entry
+    return {
+        "study": TITLE,
+        "scenario": {
+            "road": study.road.describe(),
+            "corner": study.corner,
+            "nodes": list(study.nodes),
+            "nonnegative": study.nonnegative,
+            "statistic": "root mean square",
+        },
+        "note": "The published study states no scenario; this one is a choice, and nothing is tuned to its tables.",
+        "tables": tables,
+        "held_out": _nested(study.held_out),
+        "cost": _nested(study.cost),
+        "seconds": study.seconds,
+        "versions": versions(),
+    }
+
+
+def _nested(frame: pd.DataFrame) -> dict[str, Any]:
+    """A frame by (surrogate, criterion) as dictionaries in dictionaries."""
+    nested: dict[str, Any] = {surrogate: {} for surrogate in SURROGATES}
+    for key, row in zip(frame.index, frame.to_dict("records"), strict=True):
+        nested[key[0]][key[1]] = {str(name): _json(value) for name, value in row.items()}
+    return nested
+
+
+def _json(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def fit_document(fit: Fit) -> dict[str, Any]:
+    """The ranking, the choice and the formula of each output of a fit."""
+    outputs = {}
+    for output, found in fit.outputs.items():
+        ranking = found.comparison.table.reset_index().astype(object)
+        outputs[output] = {
+            "unit": fit.runs.units[output],
+            "taken": found.chosen,
+            "tied": list(found.comparison.tied),
+            "baseline": found.comparison.baseline,
+            "ranking": ranking.where(ranking.notna(), None).to_dict("records"),
+            "untuned": None if found.untuned is None else found.untuned._asdict(),
+            "held_out": {name: kept.accuracy._asdict() for name, kept in found.kept_back.items()},
+            "not_fitted": found.comparison.refused,
+            "formula": None if found.formula is None else dict(zip(("surrogate", "text"), found.formula, strict=True)),
+        }
+    return {"runs": len(fit.runs.rows), "inputs": fit.surrogate.inputs, "outputs": outputs}

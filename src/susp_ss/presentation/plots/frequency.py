@@ -1,0 +1,182 @@
+"""Responses and spectra over frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from ...quantities import signal, titled, unit_of
+from ...responses.frequency import frequency_response
+from ...responses.frequency import psd as spectrum
+from ...roads.road import Road
+from ...study.published import LABELS
+from ...vehicles.full import FullCar
+from ...vehicles.quarter import QuarterCar
+from ...vehicles.vehicle import Vehicle
+from .style import COLUMN, STYLE, WIDTH, add_grid, add_legend, panels, shown, styled, typeset
+
+# Spectra: tyre load in N, whose squares stay readable.
+SPECTRA = {name: shown(name, {"dtl": "N"}.get(name, "")) for name in LABELS}
+
+FREQUENCY = np.geomspace(0.1, 50.0, 400)
+
+
+def bode(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
+    """Magnitude and phase over frequency, for one or several models.
+
+    Parameters
+    ----------
+    curves : mapping of str to DataArray
+        For each legend entry a complex response on ``frequency`` (Hz) and one more dim, ``output`` or ``criterion``,
+        whose names start with those of the metrics; in output unit per metre of road. At most four, all with the
+        same outputs.
+    ax : array_like of Axes, optional
+        A row of magnitudes and one of phases, a column an output.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One output fits a column of text, three a page. Phases are continuous over frequency.
+
+    Examples
+    --------
+    >>> from susp_ss.presentation.plots import bode, study_curves
+    >>> figure = bode(study_curves("fr"))
+    >>> [axes.get_ylabel() for axes in figure.axes[::3]]
+    ['|H| ((m/s²)/m)', 'phase (deg)']
+    """
+    first = next(iter(curves.values()))
+    (dim,) = (dim for dim in first.dims if dim != "frequency")
+    outputs = first[dim].values.tolist()
+    width = COLUMN if len(outputs) == 1 else max(WIDTH, 2.3 * len(outputs))
+    with mpl.rc_context(STYLE):
+        figure, axes = panels(ax, 2, len(outputs), (width, 4.2), sharex=True)
+        for output, (above, below) in zip(outputs, axes.T, strict=True):
+            for curve, style in styled(curves):
+                H = curve.sel({dim: output})
+                above.loglog(H.frequency, np.abs(H), **style)
+                below.semilogx(H.frequency, np.degrees(np.unwrap(np.angle(H))), **style)
+            above.set(title=LABELS.get(output, output), ylabel=f"|H| ({_per_metre(output)})")
+            below.set(xlabel="frequency (Hz)", ylabel="phase (deg)")
+            below.yaxis.set_major_locator(mpl.ticker.MaxNLocator(7, steps=[1, 1.8, 4.5, 9, 10]))
+            add_grid(above)
+            add_grid(below)
+        add_legend(figure, axes[0, 0], inside=ax is not None, columns=1 if len(outputs) == 1 else 4)
+    return figure
+
+
+def psd(
+    vehicles: Mapping[str, Vehicle], road: Road, corner: str = "fr", frequency: ArrayLike = FREQUENCY, ax: Any = None
+) -> Figure:
+    """Spectra of the three criteria on a random road, for one or several vehicles.
+
+    Parameters
+    ----------
+    vehicles : mapping of str to Vehicle
+        For each legend entry a quarter car, or a vehicle that has ``corner``; at most four.
+    road : Road
+        Any waviness, any tracks.
+    corner : str
+        Where body acceleration, suspension deflection and tyre load are taken; the quarter car has one place only.
+    frequency : array_like, (F,)
+        Hz, > 0.
+    ax : sequence of 3 Axes, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One-sided spectra; the area below a curve is the variance.
+
+    Raises
+    ------
+    ValueError
+        A vehicle that has no such corner.
+
+    Examples
+    --------
+    >>> import susp_ss as ss
+    >>> from susp_ss import plots
+    >>> cars = {"quarter car": ss.QuarterCar(), "full car at rl": ss.FullCar()}
+    >>> figure = plots.psd(cars, ss.Road.iso8608("B", speed=20.0), "rl")
+    >>> figure.axes[2].get_ylabel()
+    'SWS (mm²/Hz)'
+    """
+    spectra = {name: _criteria(spectrum(car, road, frequency), corner) for name, car in vehicles.items()}
+    with mpl.rc_context(STYLE):
+        figure, axes = panels(ax, 1, len(SPECTRA), (WIDTH, 2.7))
+        for here, (criterion, (symbol, unit, one)) in zip(axes.flat, SPECTRA.items(), strict=True):
+            for density, style in styled(spectra):
+                here.loglog(density.frequency, density.sel(criterion=criterion) / one**2, **style)
+            here.set(xlabel="frequency (Hz)", ylabel=titled(symbol, f"{_grouped(unit)}²/Hz"))
+            add_grid(here)
+        add_legend(figure, axes[0, 0], inside=ax is not None, columns=4)
+    return figure
+
+
+def bode_magnitude(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
+    """Magnitude over frequency of the three criteria per metre of road height.
+
+    Parameters
+    ----------
+    curves : mapping of str to DataArray
+        For each legend entry a response on dims ``criterion`` (bacc, dtl, sws) and ``frequency`` (Hz), complex or not.
+    ax : sequence of 3 Axes, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> from susp_ss.presentation.plots import bode_magnitude, study_curves
+    >>> figure = bode_magnitude(study_curves("fr"))
+    >>> figure.axes[2].get_ylabel()
+    '|SWS / road| (m/m)'
+    """
+    with mpl.rc_context(STYLE):
+        figure, axes = panels(ax, 1, len(LABELS), (WIDTH, 2.7))
+        for here, (criterion, symbol) in zip(axes.flat, LABELS.items(), strict=True):
+            for curve, style in styled(curves):
+                here.loglog(curve.frequency, np.abs(curve.sel(criterion=criterion)), **style)
+            here.set(xlabel="frequency (Hz)", ylabel=titled(f"|{symbol} / road|", _per_metre(criterion)))
+            add_grid(here)
+        add_legend(figure, axes[0, 0], inside=ax is not None)
+    return figure
+
+
+def study_curves(corner: str) -> dict[str, xr.DataArray]:
+    """Responses of both models of the study for `bode` and `bode_magnitude`, with the middle spring and damper.
+
+    The full car is measured at ``corner``, once with the road under all four wheels in phase, once with the road
+    under that corner's wheel alone.
+    """
+    quarter = frequency_response(QuarterCar(), FREQUENCY).sel(input="z_r", drop=True)
+    full = _criteria(frequency_response(FullCar(), FREQUENCY), corner)
+    return {
+        "quarter car": _criteria(quarter, corner),
+        f"full car at {corner}, all wheels in phase": full.sum("input"),
+        f"full car at {corner}, road under {corner} only": full.sel(input=f"z_r_{corner}", drop=True),
+    }
+
+
+def _criteria(response: xr.DataArray, corner: str) -> xr.DataArray:
+    """The three criteria of a response at a corner, or at the only place there is, on dim ``criterion``."""
+    available = response.output.values.tolist()
+    names = list(LABELS) if set(LABELS) <= set(available) else [signal(criterion, corner) for criterion in LABELS]
+    if not set(names) <= set(available):
+        raise ValueError(f"no corner named {corner!r}, the vehicle's outputs are {', '.join(available)}")
+    return response.sel(output=names).assign_coords(output=list(LABELS)).rename(output="criterion")
+
+
+def _per_metre(output: str) -> str:
+    return f"{_grouped(typeset(unit_of(output)))}/m"
+
+
+def _grouped(unit: str) -> str:
+    return f"({unit})" if "/" in unit else unit

@@ -1,0 +1,47 @@
+"""Any result as text for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ..fit.fitting import Fit
+from ..study.feasibility import Study
+from ..study.scan import Scan
+from .text.fit import fit_text
+from .text.scan import scan_text
+from .text.study import study_text
+
+TEXTS: dict[type, Callable[[Any], str]] = {Study: study_text, Fit: fit_text, Scan: scan_text}
+
+
+def report(result: Any) -> str:
+    """Say in words and tables what a result is worth.
+
+    Of a `Study`: Tables 3 to 5 with ours beside the published values, what agrees, held-out accuracy and cost. Of a
+    `Fit`: for each output the ranking, the choice, what the cheap model was worth, and the formula. Of a `Scan`: the
+    nearest scenarios, and what each assumption can and cannot reach.
+
+    Parameters
+    ----------
+    result : Study, Fit or Scan
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    TypeError
+        There are no words for such a result.
+
+    Examples
+    --------
+    >>> import susp_ss as ss
+    >>> print(ss.report(ss.feasibility_study(nodes=(4, 4))).splitlines()[0][:75])
+    Feasibility study: 4 x 4 nodes, full car at fr, free coefficients; G_d(0.1
+    """
+    if type(result) not in TEXTS:
+        available = ", ".join(kind.__name__ for kind in TEXTS)
+        raise TypeError(f"result must be one of {available}, got {type(result).__name__}")
+    return TEXTS[type(result)](result)

@@ -1,0 +1,102 @@
+"""What to type to get a result again."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from ..fit.fitting import Fit
+from ..study.feasibility import Study
+
+
+def study_code(study: Study) -> str:
+    """Python that runs a study again.
+
+    Examples
+    --------
+    >>> import susp_ss as ss
+    >>> from susp_ss.presentation.reproduction import study_code
+    >>> print(study_code(ss.feasibility_study(nodes=(3, 3))))
+    import susp_ss as ss
+    <BLANKLINE>
+    study = ss.feasibility_study(
+        road=ss.Road(
+            roughness=6.4e-05,
+            speed=20.0,
+            waviness=2.0,
+            cutoff=0.0,
+            tracks='isotropic',
+            delay=True,
+            wheels=None,
+        ),
+        corner='fr',
+        nodes=(3, 3),
+        nonnegative=False,
+    )
+    ss.save(study, 'results')
+    """
+    asked = {"road": study.road, "corner": study.corner, "nodes": study.nodes, "nonnegative": study.nonnegative}
+    return "\n".join(
+        ["import susp_ss as ss", "", f"study = {_call('feasibility_study', asked)}", "ss.save(study, 'results')"]
+    )
+
+
+def study_command(study: Study) -> str | None:
+    r"""The command that runs a study again, if the command line can: it knows square grids only.
+
+    Examples
+    --------
+    >>> import susp_ss as ss
+    >>> from susp_ss.presentation.reproduction import study_command
+    >>> print(study_command(ss.feasibility_study(nodes=(3, 3))))
+    susp-ss study --roughness 6.4e-05 --speed 20.0 \
+        --waviness 2.0 --cutoff 0.0 \
+        --tracks isotropic --delay \
+        --corner fr --nodes 3 --free \
+        --out results
+    """
+    road, (springs, dampers) = study.road, study.nodes
+    if springs != dampers:
+        return None
+    wheels = "" if road.wheels is None else f" --wheels {','.join(road.wheels)}"
+    return " \\\n    ".join(
+        [
+            f"susp-ss study --roughness {road.roughness!r} --speed {road.speed!r}",
+            f"--waviness {road.waviness!r} --cutoff {road.cutoff!r}",
+            f"--tracks {road.tracks} --{'' if road.delay else 'no-'}delay{wheels}",
+            f"--corner {study.corner} --nodes {springs} --{'nonnegative' if study.nonnegative else 'free'}",
+            "--out results",
+        ]
+    )
+
+
+def fit_code(fit: Fit) -> str:
+    """Python that makes a fit again from the same file."""
+    runs = fit.runs
+    inputs, outputs = (
+        {str(name): runs.columns[str(name)] for name in frame} for frame in (runs.designs, runs.responses)
+    )
+    read = {"path": str(runs.path), "inputs": inputs, "outputs": outputs, "units": runs.stated}
+    return "\n".join(
+        [
+            "import susp_ss as ss\n",
+            f"runs = {_call('read_runs', read)}",
+            f"cheap = {_code(fit.low_fidelity)}",
+            f"fit = ss.fit_runs(runs, cheap, {', '.join(f'{name}={value!r}' for name, value in fit.asked.items())})",
+            "ss.save(fit, 'fit')",
+        ]
+    )
+
+
+def _call(name: str, arguments: dict[str, Any]) -> str:
+    lines = [f"    {key}={_code(value)},".replace("\n", "\n    ") for key, value in arguments.items()]
+    return "\n".join([f"ss.{name}(", *lines, ")"])
+
+
+def _code(value: Any) -> str:
+    if dataclasses.is_dataclass(value):
+        fields = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+        return _call(type(value).__name__, fields)
+    return repr(value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value)

@@ -1,0 +1,237 @@
+"""Any result as files in a folder: kept unless forced, and never half written."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from ..fit.fitting import Fit
+from ..study.feasibility import Study
+from ..study.published import FIGURES, SURROGATES
+from ..study.scan import Scan
+from . import plots
+from .documents import study_document
+from .folder import write_results
+from .text.fit import fit_text
+
+PAGE = "report.html"
+
+TABLES = "tables.csv", "tables.json", "responses.nc"
+
+STILLS = {
+    **{
+        f"surfaces_{name}": f"figures/{FIGURES[name].lower().replace(' ', '_')}_{name}_surfaces.png"
+        for name in SURROGATES
+    },
+    **{f"errors_{name}": f"figures/error_map_{name}.png" for name in SURROGATES},
+    "bode_magnitude": "figures/bode_magnitude.png",
+}
+"""Pictures of a study."""
+
+SURROGATE, REPORT = "surrogate.json", "report.md"
+ACCURACY, PREDICTIONS = "accuracy.csv", "predictions.csv"
+
+PICTURES = {
+    "parity": "predicted against expensive, runs left out",
+    "residuals": "errors, runs left out",
+    "map": "the surrogate taken, over the box of the runs",
+    "learning": "error against number of runs",
+}
+"""What each picture of an output of a fit shows."""
+
+SCAN, SCAN_PICTURE = "scan.csv", "scan.png"
+
+
+def save(result: Any, folder: str | PathLike[str], force: bool = False, figures: bool = True) -> None:
+    """Write a result into a folder.
+
+    A `Study` becomes ``tables.csv`` (one row an entry: ours, published, unit), ``tables.json`` (the same with scenario,
+    held-out accuracy, cost and versions), ``responses.nc``, ``figures/`` and ``report.html``. A `Fit` becomes
+    ``surrogate.json``, ``accuracy.csv``, ``predictions.csv``, ``figures/``, ``report.md`` and ``report.html``. A `Scan`
+    becomes ``scan.csv`` and ``scan.png``. A page is one file that opens in a browser without a network.
+
+    Parameters
+    ----------
+    result : Study, Fit or Scan
+    folder : path
+        Made if missing.
+    force : bool
+        Replace the results of an earlier run; other files in the folder are never touched.
+    figures : bool
+        Whether to draw the figures.
+
+    Raises
+    ------
+    TypeError
+        There are no files for such a result.
+    FileExistsError
+        The folder holds results and ``force`` is False.
+    OSError
+        The folder cannot be written. Whatever the error, nothing half written is left.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import susp_ss as ss
+    >>> folder = pathlib.Path(tempfile.mkdtemp(), "results")
+    >>> ss.save(ss.feasibility_study(nodes=(3, 3)), folder, figures=False)
+    >>> sorted(path.name for path in folder.iterdir())
+    ['report.html', 'responses.nc', 'tables.csv', 'tables.json']
+    """
+    kind = kind_of(type(result))
+    write_results(folder, lambda empty: kind.write(result, empty, figures), kind.files, force)
+
+
+class Kind(NamedTuple):
+    """Files by which a result's folder is known, beside others that it may hold, and what writes them."""
+
+    files: tuple[str, ...]
+    write: Callable[[Any, Path, bool], None]
+
+
+def kind_of(result: type) -> Kind:
+    """Files and writer of a kind of result.
+
+    Raises
+    ------
+    TypeError
+        There are none.
+    """
+    if result not in KINDS:
+        available = ", ".join(kind.__name__ for kind in KINDS)
+        raise TypeError(f"result must be one of {available}, got {result.__name__}")
+    return KINDS[result]
+
+
+# A study
+
+
+def _write_study(study: Study, folder: Path, figures: bool) -> None:
+    from .pages.study import study_page
+
+    document = study_document(study)
+    study.comparison().to_csv(folder / "tables.csv", index=False)
+    (folder / "tables.json").write_text(json.dumps(document, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    study.responses.to_netcdf(folder / "responses.nc", engine="netcdf4")
+    stills = _draw_study(study, folder) if figures else {}
+    (folder / PAGE).write_text(study_page(study, document, stills), encoding="utf-8")
+
+
+def _draw_study(study: Study, folder: Path) -> dict[str, Path]:
+    """Save the figures; return where each is."""
+    (folder / "figures").mkdir()
+    for name, figure in zip(STILLS.values(), _study_figures(study), strict=True):
+        figure.savefig(folder / name, dpi=plots.DPI)
+    return {name: folder / file for name, file in STILLS.items()}
+
+
+def _study_figures(study: Study) -> Iterator[Figure]:
+    """In the order of STILLS."""
+    for draw in (plots.response_surfaces, plots.error_map):
+        for surrogate in SURROGATES:
+            yield draw(study, surrogate)
+    yield plots.bode_magnitude(plots.study_curves(study.corner))
+
+
+# A fit
+
+
+def _write_fit(fit: Fit, folder: Path, figures: bool) -> None:
+    from .pages.fit import fit_page
+
+    fit.surrogate.save(folder / SURROGATE)
+    accuracy_table(fit).to_csv(folder / ACCURACY, index=False)
+    predictions(fit).to_csv(folder / PREDICTIONS, index=False)
+    drawn = _draw_fit(fit, folder) if figures else {}
+    maps = {output: folder / file for (kind, output), file in drawn.items() if kind == "map"}
+    (folder / PAGE).write_text(fit_page(fit, maps), encoding="utf-8")
+    (folder / REPORT).write_text(_markdown(fit, drawn), encoding="utf-8")
+
+
+def _draw_fit(fit: Fit, folder: Path) -> dict[tuple[str, str], str]:
+    """Save the figures; return the file of each kind and output."""
+    (folder / "figures").mkdir()
+    names, drawn = _file_names(fit.outputs), {}
+    for kind, output, figure in _fit_figures(fit):
+        drawn[kind, output] = f"figures/{kind}_{names[output]}.png"
+        figure.savefig(folder / drawn[kind, output])
+    return drawn
+
+
+def accuracy_table(fit: Fit) -> pd.DataFrame:
+    """Every surrogate of every output, one row each: its accuracy at runs left out."""
+    tables = []
+    for name, found in fit.outputs.items():
+        table = found.comparison.table.reset_index()
+        table.insert(0, "output", name)
+        table.insert(1, "unit", fit.runs.units[name])
+        table.insert(3, "taken", table.surrogate == found.chosen)
+        tables.append(table)
+    return pd.concat(tables, ignore_index=True)
+
+
+def predictions(fit: Fit) -> pd.DataFrame:
+    """The runs, where they stand in their file, and what each surrogate predicted for them when they were left out."""
+    table = pd.concat([fit.runs.designs, fit.runs.responses], axis=1).reset_index(drop=True)
+    table.insert(0, "row", fit.runs.rows)
+    left_out = {
+        f"{output}: {name}": validation.predicted
+        for output, found in fit.outputs.items()
+        for name, validation in found.comparison.validations.items()
+    }
+    return table.assign(**left_out)
+
+
+def _fit_figures(fit: Fit) -> Iterator[tuple[str, str, Figure]]:
+    """Kind, output and figure: the surrogate taken, beside the best with and the best without a cheap model."""
+    surrogate = fit.surrogate
+    for output, found in fit.outputs.items():
+        comparison, unit = found.comparison, fit.runs.units[output]
+        wanted = (found.chosen, None if found.untuned is None else comparison.gain().tuned, comparison.baseline)
+        shown = {name: comparison.validations[name] for name in wanted if name is not None}
+        yield "parity", output, plots.parity(shown, unit)
+        yield "residuals", output, plots.residuals(shown, unit)
+        if len(surrogate.inputs) == 2:
+            yield "map", output, plots.fitted_map(surrogate, output, fit.runs.designs)
+        if found.learning is not None:
+            yield "learning", output, plots.learning_curves(found.learning, unit)
+
+
+def _file_names(outputs: Iterable[str]) -> dict[str, str]:
+    """Outputs may have any name; what each is called in a file name."""
+    names: dict[str, str] = {}
+    for output in outputs:
+        name = re.sub(r"[^A-Za-z0-9_.-]", "_", output)
+        names[output] = f"{name}_{len(names)}" if name in names.values() else name
+    return names
+
+
+def _markdown(fit: Fit, pictures: Mapping[tuple[str, str], str]) -> str:
+    lines = [f"# Surrogates of {fit.runs.path.name}", "", "```text", fit_text(fit) + "```", ""]
+    for (kind, output), file in pictures.items():
+        title = f"{output}: {PICTURES[kind]}"
+        lines.append(f"## {title}\n\n![{title}]({file})\n")
+    return "\n".join(lines)
+
+
+# A scan
+
+
+def _write_scan(scan: Scan, folder: Path, figures: bool) -> None:
+    scan.scenarios.to_csv(folder / SCAN, index=False)
+    if figures:
+        plots.scenario_scan(scan).savefig(folder / SCAN_PICTURE)
+
+
+KINDS: dict[type, Kind] = {
+    Study: Kind((*TABLES, PAGE, *STILLS.values()), _write_study),
+    Fit: Kind((SURROGATE, REPORT, PAGE, ACCURACY, PREDICTIONS), _write_fit),
+    Scan: Kind((SCAN, SCAN_PICTURE), _write_scan),
+}

@@ -1,0 +1,149 @@
+"""A fit of surrogates as text for the terminal, and the sentences that its page shares."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+
+import pandas as pd
+
+from ...fit.fitting import Fit, OutputFit
+from ...quantities import METRICS, metric_and_place
+from ...surrogates import ParameterBased
+
+JUDGED = (
+    "Errors are those at runs left out of a fit; their intervals allow for which runs were drawn, not for where a plan "
+    "of few leaves gaps."
+)
+"""What the errors are, and what their intervals are not."""
+
+
+def fit_text(fit: Fit) -> str:
+    """The ranking, the choice, what the cheap model was worth, and the formula of each output."""
+    return "\n\n".join([_head(fit), *(_output(fit, output) for output in fit.outputs)]) + "\n"
+
+
+def _head(fit: Fit) -> str:
+    runs, cheap = fit.runs, fit.low_fidelity
+    box = fit.surrogate.box.items()
+    inputs = ", ".join(f"{name} {low:g} to {high:g} {runs.units[name]}".rstrip() for name, (low, high) in box)
+    return "\n".join(
+        [
+            _paragraph(f"{len(runs.rows)} runs of {runs.path}: {inputs}"),
+            _paragraph(f"Cheap model: {type(cheap.vehicle).__name__}; {cheap.road.describe()}"),
+            *(_paragraph(line) for line in [*unknown(fit), JUDGED]),
+        ]
+    )
+
+
+def unknown(fit: Fit) -> list[str]:
+    """What the cheap model could not be matched to."""
+    car, columns = type(fit.low_fidelity.vehicle).__name__, list(fit.surrogate.inputs)
+    lines = []
+    for output in fit.outputs:
+        cheap = fit.low_fidelity.response(output, columns)
+        if cheap is None:
+            lines.append(f"{car} has no {output}: it is approximated without a cheap model.")
+        elif cheap.unknown:
+            lines.append(f"For {output}, {car} does not feel {', '.join(cheap.unknown)}.")
+    return lines
+
+
+def _output(fit: Fit, output: str) -> str:
+    found, unit, y = fit.outputs[output], fit.runs.units[output], fit.runs.responses[output]
+    lines = [
+        f"{output}: {meaning(output)}, {y.min():.4g} to {y.max():.4g} {unit}".rstrip(),
+        ranking_table(found, unit).to_string(),
+        f"Taken: {found.chosen}.",
+    ]
+    lines += [_paragraph(line) for line in [*tie(found), worth(fit, found), *stated(found)]]
+    if found.learning is not None:
+        medians = median_errors(found).map("{:.3g}".format, na_action="ignore").rename_axis(columns=None, index=None)
+        lines.append(f"RMSE ({unit}) after fewer runs, median of draws\n{medians.to_string(na_rep='-')}")
+    lines += map(_paragraph, failures(found))
+    if found.formula is None:
+        lines.append("None of these has a formula to type.")
+    else:
+        lines.append(f"To type ({found.formula[0]}, SI units): {output} = {found.formula[1]}")
+    return "\n".join(lines)
+
+
+def meaning(output: str) -> str:
+    """What an output is, and where."""
+    metric, place = metric_and_place(output)
+    what = METRICS[metric].meaning if metric in METRICS else "an output of the runs"
+    return f"{what} at {place}" if place else what
+
+
+def ranking_table(found: OutputFit, unit: str) -> pd.DataFrame:
+    """Every surrogate's errors at runs left out, as text; the cheap model as it is below."""
+    table = found.comparison.table
+    shown = pd.DataFrame(
+        {
+            "cheap model": table.low_fidelity.map({True: "yes", False: "no"}),
+            f"RMSE ({unit})": table.RMSE.map("{:.4g}".format),
+            "95 % of RMSE": [
+                f"{low:.3g} to {high:.3g}" for low, high in zip(table.RMSE_low, table.RMSE_high, strict=True)
+            ],
+            "R2": table.R2.map("{:.5f}".format),
+            "max error": table.MAE.map("{:.3g}".format),
+        }
+    )
+    if table.coverage.notna().any():
+        shown["in 95 %"] = table.coverage.map(lambda share: "" if math.isnan(share) else f"{100.0 * share:.0f} %")
+    if found.kept_back:
+        shown["RMSE held out"] = [f"{found.kept_back[name].accuracy.RMSE:.4g}" for name in table.index]
+    if found.untuned is not None:
+        shown.loc["cheap, untuned"] = ""
+        r2, rmse, most = found.untuned
+        shown.iloc[-1, [0, 1, 3, 4]] = ["yes", f"{rmse:.4g}", f"{r2:.5f}", f"{most:.3g}"]
+    return shown.rename_axis(None)
+
+
+def tie(found: OutputFit) -> list[str]:
+    """What these runs cannot tell, if anything."""
+    best, *others = found.comparison.tied
+    return [f"These runs cannot tell {best} from {', '.join(others)}."] if others else []
+
+
+def stated(found: OutputFit) -> list[str]:
+    """What the surrogate taken states of its own error, and how far that held."""
+    bounds = found.comparison.validations[found.chosen].coverage_interval
+    if bounds is None:
+        return []
+    share = found.comparison.table.coverage[found.chosen]
+    verdict = "; its standard deviations are too small" if bounds[1] < 0.95 else ""
+    return [f"Of the runs left out {share:.0%} lie within the 95 % interval that {found.chosen} states{verdict}."]
+
+
+def failures(found: OutputFit) -> list[str]:
+    """Surrogates that were not fitted, and tuned parameters without a good value."""
+    bounds = [
+        f"{name} sits on its {model.at_bound_} bound, {model.parameter_:g}: there is no good value within."
+        for name, model in found.models.items()
+        if isinstance(model, ParameterBased) and model.at_bound_
+    ]
+    return [*(f"Not fitted: {name} ({reason})." for name, reason in found.comparison.refused.items()), *bounds]
+
+
+def worth(fit: Fit, found: OutputFit) -> str:
+    """The baseline: the same runs without the cheap model."""
+    if found.untuned is None:
+        return "There is no cheap model to compare with."
+    gain = found.comparison.gain()
+    bounds = f" (95 %: {gain.low:.2g} to {gain.high:.2g})" if math.isfinite(gain.low) else ""
+    return (
+        f"Without the cheap model, the same {len(fit.runs.rows)} runs give {gain.baseline}, with {gain.ratio:.2g} "
+        f"times the RMSE of {gain.tuned}{bounds}."
+    )
+
+
+def median_errors(found: OutputFit) -> pd.DataFrame:
+    """RMSE by number of runs, median of draws, surrogates in the order of the ranking; of a fit with its learning."""
+    assert found.learning is not None
+    medians = found.learning.groupby(["surrogate", "runs"]).RMSE.median().unstack()
+    return medians.reindex(found.comparison.table.index)
+
+
+def _paragraph(sentence: str) -> str:
+    return textwrap.fill(sentence, 110)

@@ -1,0 +1,5 @@
+"""The exact covariance route: variances without a spectrum or a record, each design by the fastest way it admits."""
+
+from .matrices import covariance
+
+__all__ = ["covariance"]

@@ -1,0 +1,83 @@
+"""A first-order system ``x' = A x + front u(t) + rear u(t - tau)``: what one process and its delay stir up.
+
+A spectrum of white noise and first-order colours adds its parts to the right-hand side of one Lyapunov equation ``A X +
+X A^T + Q = 0``. With ``e = e^(A tau) front``:
+
+- white of intensity q: ``Q = q (front front^T + rear rear^T + e rear^T + rear e^T)``;
+- colour of autocorrelation ``s^2 e^(-alpha |t|)``: ``Q = front g^T + rear h^T`` and its transpose, with
+  ``g = E[x u(t)]`` and ``h = E[x u(t - tau)]``.
+
+The road's warp is the integral of a velocity over the delay and joins by its own closed-form moments. All of this is
+written once, for arrays as well as for the dual numbers that carry derivatives.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class Spectrum(NamedTuple):
+    """A process's velocity spectrum, arrays or dual numbers: white (N, 1) or a number, rates and weights (N, J)."""
+
+    white: Any
+    alphas: Any
+    weights: Any
+
+
+class Correlations:
+    """Correlations of the states of N designs with a process, now and a delay ago.
+
+    Parameters
+    ----------
+    dynamics : Dynamics
+        ``solve`` is ``A^-1 x``, and ``resolvent`` is ``(alpha I - A)^-1 x``.
+    front, rear : (N, 2n, 1)
+        How the process enters at once, and after the delay.
+    free : (N, 2n, 1)
+        ``e^(A tau) front``.
+    forced : (N, J, 2n, 1)
+        ``int_0^tau e^(A (tau - s)) front e^(-alpha s) ds`` for each colour.
+    spectrum : Spectrum
+    tau : (N,)
+    """
+
+    def __init__(
+        self, dynamics: Any, front: Any, rear: Any, free: Any, forced: Any, spectrum: Spectrum, tau: Any
+    ) -> None:
+        self.dynamics, self.front, self.rear, self.free, self.forced = dynamics, front, rear, free, forced
+        self.white = spectrum.white
+        self.alphas, self.weights = spectrum.alphas[:, :, None, None], spectrum.weights[:, :, None, None]
+        self.tau = tau[:, None, None, None]
+        self.decay = np.exp(-(self.alphas * self.tau))
+        # For a colour u of unit sigma^2: E[x u(t)], and the first half of E[x u(t - tau)].
+        now, before = front[:, None] + self.decay * rear[:, None], (rear + free)[:, None] + 0.0 * self.decay
+        both = dynamics.resolvent(self.alphas, np.concatenate([now, before], axis=-1))
+        self.now, self.before = both[..., :1], both[..., 1:]
+
+    def right_hand_side(self) -> Any:
+        """The process's share of Q, (N, 2n, 2n)."""
+        front, rear, white = self.front, self.rear, self.white
+        sigma2 = 0.5 * self.weights * self.alphas
+        g, h = ((sigma2 * x).sum(axis=-3) for x in (self.now, self.before + self.forced))
+        half = front * (0.5 * white * front + g).mT + rear * (white * (0.5 * rear + self.free) + h).mT
+        return half + half.mT
+
+    def warp(self, now: float, later: float) -> tuple[Any, Any]:
+        """``E[x warp]`` (N, 2n, 1) and ``E[warp^2]`` (N, 1) of a warp of rate ``now * u(t) + later * u(t - tau)``."""
+        if now + later != 0.0:
+            # Bounded by the cut-off alone: the height itself is the sum of colours of variance -weight / (2 alpha).
+            height = -0.5 * self.weights / self.alphas
+            cross = self.alphas * height * (now * self.now + later * (self.before - self.forced))
+            own = height * (now**2 + later**2 + 2.0 * now * later * self.decay)
+            return cross.sum(axis=-3), own.sum(axis=-3)[:, :, 0]
+        # The warp is the process's velocity integrated over the delay.
+        tau = self.tau
+        memory = -np.expm1(-(self.alphas * tau)) / self.alphas
+        sigma2 = 0.5 * self.weights * self.alphas
+        coloured = (sigma2 * (self.now - self.before - self.forced)).sum(axis=-3)
+        coloured = coloured + (self.front + self.rear) * (sigma2 * memory).sum(axis=-3)
+        cross = self.dynamics.solve(self.white * (self.free - self.front) - coloured)
+        own = self.white * tau[:, 0] + (self.weights * (tau - memory)).sum(axis=-3)
+        return now * cross, now**2 * own[:, :, 0]

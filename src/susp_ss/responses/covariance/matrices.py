@@ -1,0 +1,158 @@
+"""The exact covariance of a vehicle on a random road: one Lyapunov equation, with the wheelbase delay in closed form.
+
+Road velocity is white, or white plus first-order colours of either sign: a low-wavenumber cut-off is one (exactly),
+the coherence of an isotropic surface a few (a rational fit). Variance is linear in the spectrum, so that each process
+and each colour adds its own term to the right-hand side of one equation (`first_order`), which is solved in the
+structure of a second-order system (`lyapunov`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ...roads.colours import colours
+from ...roads.road import Road
+from ...vehicles.second_order import SecondOrder
+from ...vehicles.vehicle import Vehicle
+from ..excitation import check_kinds, delay, infinite_outputs, processes, refuse_unbounded, refuse_undamped
+from .first_order import Correlations, Spectrum
+from .lyapunov import Dynamics
+
+Array = NDArray[np.float64]
+
+# Relative error of the largest entries of a matrix, among which smaller ones must keep their digits too, beyond which a
+# design is refused.
+LOST_MATRIX = 1e-9
+
+# Designs solved together: their 49 x 49 systems then stay near the processor.
+BATCH = 256
+
+
+class Moments(NamedTuple):
+    """Matrices of a batch of designs, covariance (N, 2n [+ 1], 2n [+ 1]) of (p, v [, warp]), its error (N,)."""
+
+    model: SecondOrder
+    X: Array
+    error: Array
+    infinite: NDArray[np.bool_]
+
+
+def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
+    """Stationary covariance of the road-relative states.
+
+    Solves ``A X + X A^T + Q = 0`` exactly, the wheelbase delay included, under the assumption that every eigenvalue
+    of A lies in the open left half plane. Every metric is one line on top: ``sqrt(diag(C X C^T))``.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Parameters may be arrays; the designs are solved together.
+    road : Road
+        Waviness 2.
+
+    Returns
+    -------
+    xarray.DataArray
+        On (sweep..., state, state_), in the units of the states of ``vehicle.state_space(input="velocity")``: positions
+        relative to the road ``p_...`` (m, rad), velocities ``d...`` (m/s, rad/s) and, for the full car, ``warp`` (m).
+
+    Raises
+    ------
+    ValueError
+        Waviness other than 2, a design that is not asymptotically stable, or a warp without finite variance.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss import QuarterCar, Road, covariance
+    >>> car, road = QuarterCar(), Road()
+    >>> X = covariance(car, road)
+    >>> deflection = xr.DataArray([1.0, -1.0, 0.0, 0.0], dims="state", coords={"state": X.state})
+    >>> variance = float(deflection.rename(state="state_") @ X @ deflection)
+    >>> bool(np.isclose(variance, road.intensity * (car.ms + car.mu) / (2 * car.cs)))
+    True
+    """
+    check_kinds(vehicle, road)
+    space = vehicle.design_space()
+    flat = vehicle.flattened(space)
+    solved = [moments(vehicle, flat, road, chosen, LOST_MATRIX) for chosen in batches(np.arange(space.size), BATCH)]
+    states = list(solved[0].model.layout.relative_states)
+    X = np.concatenate([batch.X for batch in solved])
+    labels = {"state": states, "state_": states}
+    return space.unflatten(X, ("state", "state_"), labels).rename("covariance")
+
+
+def batches(designs: NDArray[np.int_], size: int) -> Iterator[NDArray[np.int_]]:
+    """The designs, at most ``size`` at a time."""
+    return (designs[i : i + size] for i in range(0, len(designs), size))
+
+
+def lost_digits(vehicle: Vehicle, design: int) -> ValueError:
+    """Say which design cannot be computed to six digits."""
+    return ValueError(
+        f"{type(vehicle).__name__}{vehicle.design_space().place(design)} is damped so lightly or so heavily, has "
+        "masses and stiffnesses so far apart, or is so nearly symmetric, that a variance keeps fewer than six digits; "
+        'pass less extreme parameters, or take ride_metrics(..., method="spectral")'
+    )
+
+
+def moments(vehicle: Vehicle, flat: Vehicle, road: Road, chosen: NDArray[np.int_], lost: float) -> Moments:
+    """Covariance of some designs of a flattened vehicle, each with an error below ``lost``."""
+    designs = flat.select(chosen)
+    model = designs.assemble()
+    refuse_undamped(vehicle, model)
+    refuse_unbounded(vehicle, road, model.warp)
+    try:
+        with np.errstate(all="ignore"):
+            solved = _solved(designs, model, road, len(chosen))
+    except np.linalg.LinAlgError:
+        # A pivot of exactly zero has lost all digits, like one of rounding: whose it is, halving tells.
+        if len(chosen) > 1:
+            for half in np.array_split(chosen, 2):
+                moments(vehicle, flat, road, half, lost)
+        raise lost_digits(vehicle, int(chosen[0])) from None
+    beyond = ~(solved.error < lost)
+    if beyond.any():
+        raise lost_digits(vehicle, int(chosen[np.argmax(beyond)]))
+    return solved
+
+
+def _solved(vehicle: Vehicle, model: SecondOrder, road: Road, N: int) -> Moments:
+    n = len(model.layout.coordinates)
+    root = np.sqrt(model.m)
+    scale = 1.0 / (root[..., :, None] * root[..., None, :])
+    dynamics = Dynamics(*(np.broadcast_to(x * scale, (N, n, n)) for x in (model.K, model.C)))
+    inputs = np.concatenate([-root[..., None] * model.G, model.C_in / root[..., None]], axis=-2)
+    tau = np.broadcast_to(delay(vehicle, road), (N,))
+    width = np.broadcast_to(vehicle.track_width, (N,)).astype(float)
+
+    Q = np.zeros((N, 2 * n, 2 * n))
+    with_warp, of_warp = np.zeros((N, 2 * n, 1)), np.zeros((N, 1))
+    excited = processes(vehicle, road)
+    for process in excited:
+        _, *parts = colours(road, process.share, process.sign, width)
+        spectrum = Spectrum(*parts)
+        front, rear = (np.broadcast_to(inputs @ side, (N, 2 * n))[..., None] for side in (process.now, process.later))
+        free, forced = front, np.zeros((N, spectrum.alphas.shape[1], 2 * n, 1))
+        if process.later.any():
+            free, forced = dynamics.propagate(front[..., 0], tau, spectrum.alphas)
+        stirred = Correlations(dynamics, front, rear, free, forced, spectrum, tau)
+        Q += stirred.right_hand_side()
+        if model.warp is not None and (process.now @ model.warp or process.later @ model.warp):
+            cross, own = stirred.warp(float(process.now @ model.warp), float(process.later @ model.warp))
+            with_warp += cross
+            of_warp += own
+
+    X, error = dynamics.lyapunov(Q)
+    stretch = np.concatenate([1.0 / root, 1.0 / root], axis=-1)
+    X = X * (stretch[..., :, None] * stretch[..., None, :])
+    if model.warp is not None:
+        X = np.pad(X, [(0, 0), (0, 1), (0, 1)])
+        X[:, :-1, -1] = X[:, -1, :-1] = stretch * with_warp[..., 0]
+        X[:, -1, -1] = of_warp[:, 0]
+    return Moments(model, X, error, infinite_outputs(model, excited, road))

@@ -1,0 +1,419 @@
+"""The exact variances of half a symmetric car from one scalar process: polynomials in ``s``, no matrices.
+
+A half (`susp_ss.vehicles.decoupled`) has one or two struts, each with suspension ``kappa = ks + cs s``, tyre
+``T = kt + ct s`` and wheel ``E = T + mu s^2``, joined by the body's compliance ``u_ij`` (acceleration over strut i per
+unit force of strut j). With ``Q_i = s^2 (E_i + kappa_i) + u_ii kappa_i E_i`` the road's velocities w deflect them by
+
+    d_1 = s [T_1 Q_2 w_1 - u_12 E_1 kappa_2 T_2 w_2] / D,    D = Q_1 Q_2 - u_12^2 kappa_1 kappa_2 E_1 E_2,
+
+and d_2 likewise; one strut alone by ``d = s T w / Q``. Let ``D xi = w``: every variance is a fixed combination of the
+derivatives of xi's autocorrelation r at 0 and, with a wheelbase delay, at tau.
+
+- At 0, ``D(d/dt) r = 0`` and the symmetry of r leave a Hurwitz system, solved by Routh's elimination (`routh`).
+- At tau they follow from ``D(d/dt) r = 0`` in between: ``r(t + tau) = [e^(s tau) mod D] r(t)``, the remainder of a
+  power series, squared up from a short step (`delay_operator`).
+- A first-order colour of the road (its cut-off, the coherence of isotropic tracks) lengthens D by one factor, and
+  leaves an exponential that crosses the delay on its own.
+
+A body that only rolls has one mode, which makes ``D = s^2 D~``: a road that differs between front and rear warps it.
+Deflections then hold the integral of ``xi = w / D~`` over the delay; minus r integrated twice is its autocorrelation.
+
+Polynomials are arrays of rows, the coefficients of 1, s, s^2, ..., with one column a design. The road's spectrum is
+``static - sum weights omega^2 / (alphas^2 + omega^2)``: what cancels at low frequency never enters.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# The short step of a delay has |s h| <= 1, where the series is exact to rounding after 1 / 19!.
+SERIES_TERMS = 19
+
+# A colour as close as this to a real pole is moved by as much: what that changes is what rounding would.
+COINCIDENT = 1e-8
+
+
+class Body(NamedTuple):
+    """What joins two struts: compliance (2, 2, N), its determinant (N,), and whether it has one mode only: it rolls."""
+
+    compliance: Array
+    rigidity: Array
+    rolls: bool
+
+
+class Track(NamedTuple):
+    """A road: the two-sided spectrum ``static - sum weights omega^2 / (alphas^2 + omega^2)``, colours (J, N)."""
+
+    static: float
+    alphas: Array
+    weights: Array
+
+
+class Delay(NamedTuple):
+    """How much later the second strut meets the road (N,), in how many steps that is walked, and halvings of each.
+
+    No step when both struts meet the road at once.
+    """
+
+    tau: Array
+    steps: int
+    halvings: int
+
+
+class OneStrut(NamedTuple):
+    """Variances that `one_strut` returns as rows."""
+
+    force: Any
+    deflection: Any
+    rate: Any
+    load: Any
+
+
+class TwoStruts(NamedTuple):
+    """Variances that `two_struts` returns as rows; ``force_12`` is the covariance of both forces."""
+
+    force_1: Any
+    force_2: Any
+    force_12: Any
+    deflection_1: Any
+    deflection_2: Any
+    rate_1: Any
+    rate_2: Any
+    load_1: Any
+    load_2: Any
+
+
+class Wheel(NamedTuple):
+    """Mass of a wheel, and spring and damper of the suspension on it."""
+
+    m: Any
+    k: Any
+    c: Any
+
+
+class Joint(NamedTuple):
+    """The body's compliance between both struts."""
+
+    u11: Any
+    u22: Any
+    u12: Any
+
+
+class Even(NamedTuple):
+    """Derivatives of order 0, 2 and 4 of a deflection's autocorrelation at 0."""
+
+    value: Any
+    bend: Any
+    jerk: Any
+
+
+class Cross(NamedTuple):
+    """Derivatives of order 0 to 3 of ``E[d_1(t) d_2(0)]`` at 0."""
+
+    value: Any
+    slope: Any
+    bend: Any
+    third: Any
+
+
+def product(p: Array, q: Array) -> Array:
+    """``p(s) q(s)``."""
+    out = np.zeros((len(p) + len(q) - 1, p.shape[1]))
+    for i in range(len(p)):
+        out[i : i + len(q)] += p[i] * q
+    return out
+
+
+def plus(p: Array, q: Array, shift: int = 0) -> Array:
+    """``p(s) + s^shift q(s)``."""
+    out = np.zeros((max(len(p), len(q) + shift), p.shape[1]))
+    out[: len(p)] = p
+    out[shift : shift + len(q)] += q
+    return out
+
+
+def scaled(p: Array, factor: Array) -> Array:
+    """``factor p(s)``, a factor each design."""
+    return p * factor
+
+
+def reflected(p: Array) -> Array:
+    """``p(-s)``."""
+    out = p.copy()
+    out[1::2] *= -1.0
+    return out
+
+
+def every_other(p: Array, first: int) -> Array:
+    """The even (0) or odd (1) coefficients of p, as a polynomial in s^2."""
+    return p[first::2].copy()
+
+
+def modulus(p: Array) -> Array:
+    """``p(s) p(-s)`` as a polynomial in s^2."""
+    even, odd = every_other(p, 0), every_other(p, 1)
+    return plus(product(even, even), scaled(product(odd, odd), -np.ones(p.shape[1])), 1)
+
+
+def applied(p: Array, derivatives: Array) -> Array:
+    """``p(d/dt)`` of a function whose derivatives are the rows; those beyond the last count as zero."""
+    n = min(len(p), len(derivatives))
+    return np.asarray((p[:n] * derivatives[:n]).sum(axis=0))
+
+
+def decaying(g: Array, alphas: Array, first: int, count: int) -> Array:
+    """Derivatives of ``sum g e^(-alpha t)`` at 0, of orders first to count - 1; zeros before."""
+    out = np.zeros((count, g.shape[1]))
+    term = g * (-alphas) ** first
+    for k in range(first, count):
+        out[k] = term.sum(axis=0)
+        term = -alphas * term
+    return out
+
+
+def value(p: Array, s: Array) -> Array:
+    """``p(s)`` at real s (J, N), J a column of p."""
+    out = p[-1] + 0.0 * s
+    for i in range(len(p) - 2, -1, -1):
+        out = out * s + p[i]
+    return out
+
+
+def routh(D: Array, density: Array) -> Array:
+    """Even derivatives ``r(0), r''(0), ..., r^(2n-2)(0)`` of the autocorrelation of ``D xi = w``.
+
+    D of degree n has its roots in the open left half plane, and w the two-sided spectral density given. With
+    ``L[p] = p(d/dt) r`` at 0 the system is ``L[s^k D] = 0`` for k < n - 1, of which only even parts count, and a jump
+    in the last. Eliminating leading coefficients in turn leaves one new derivative in each row.
+    """
+    n = len(D) - 1
+    table, right = np.zeros((n + 1, n // 2 + 1, D.shape[1])), np.zeros((n + 1, D.shape[1]))
+    for j in range(n + 1):
+        table[j % 2, j // 2] = D[n - j]
+    right[1] = -((-1.0) ** n) * density / (2.0 * D[n])
+    for i in range(1, n):
+        factor = table[i - 1, 0] / table[i, 0]
+        length = (n - i - 1) // 2 + 1
+        table[i + 1, :length] = table[i - 1, 1 : length + 1]
+        shared = (n - i) // 2
+        table[i + 1, :shared] -= factor * table[i, 1 : shared + 1]
+        right[i + 1] = -factor * right[i]
+    derivatives = np.zeros((n, D.shape[1]))
+    for e in range(n):
+        row, rest = table[n - e], right[n - e].copy()
+        for j in range(1, e // 2 + 1):
+            rest -= row[j] * derivatives[e - j]
+        derivatives[e] = rest / row[0]
+    return derivatives
+
+
+def delay_operator(D: Array, tau: Array, squarings: int) -> Array:
+    """``e^(s tau) mod D`` for monic D: the series over ``tau / 2^squarings``, squared up."""
+    n = len(D) - 1
+    low, h = D[:n], tau / 2.0**squarings
+    term, total = np.zeros((n, D.shape[1])), np.zeros((n, D.shape[1]))
+    total[0] = 1.0
+    for k in range(1, n):
+        total[k] = total[k - 1] * (h / k)
+    term[n - 1] = total[n - 1]
+    for k in range(n, SERIES_TERMS):
+        top = term[n - 1] * (h / k)
+        term[1:] = term[: n - 1] * (h / k)
+        term[0] = 0.0
+        term -= top * low
+        total += term
+    for _ in range(squarings):
+        square = np.zeros((2 * n - 1, D.shape[1]))
+        for i in range(n):
+            square[2 * i] += total[i] * total[i]
+            square[2 * i + 1 : i + n] += (2.0 * total[i]) * total[i + 1 :]
+        for i in range(2 * n - 2, n - 1, -1):
+            square[i - n : i] -= square[i] * low
+        total = square[:n].copy()
+    return total
+
+
+def apart(D: Array, alphas: Array) -> tuple[Array, Array]:
+    """Rates of colours (J, N), none of which sits on a real pole ``-alpha`` of D, and ``D(alpha) D(-alpha)``.
+
+    All coefficients of D are positive, so that ``D(alpha)`` is the size of the terms of ``D(-alpha)``.
+    """
+    size, signed = value(D, alphas), value(reflected(D), alphas)
+    near = np.abs(signed) < COINCIDENT * size
+    if not near.any():
+        return alphas, size * signed
+    rates = np.where(near, alphas * (1.0 + COINCIDENT), alphas)
+    return rates, value(D, rates) * value(reflected(D), rates)
+
+
+def start(D: Array, road: Track) -> Array:
+    """Even derivatives of r at 0 for monic D, from white noise of the static level and high-passes of ``-weights``."""
+    n, N, J = len(D) - 1, D.shape[1], len(road.alphas)
+    out = np.zeros((n, N))
+    if road.static > 0.0:
+        out += routh(D, np.full(N, road.static))
+    if J > 0:
+        # A high-pass is minus its low-pass differentiated twice, over alpha^2; all colours in one go.
+        longer, density = np.zeros((n + 2, J * N)), np.zeros(J * N)
+        for j in range(J):
+            longer[:, j * N : (j + 1) * N] = plus(D, D / road.alphas[j], 1)
+            density[j * N : (j + 1) * N] = road.weights[j] / road.alphas[j] ** 2
+        each = routh(longer, density)
+        for j in range(J):
+            out += each[1:, j * N : (j + 1) * N]
+    return out
+
+
+def carried(A: Array, now: Array, g: Array, alphas: Array, rolls: bool, delay: Delay) -> Array:
+    """Derivatives 0 to 14 at tau of a function with ``A(d/dt)`` zero, apart from exponentials ``g e^(-alpha t)``.
+
+    A is monic of degree 8 and ``now`` holds the even derivatives at 0, of order 0 to 12; the odd ones are zero. Where
+    the body rolls, the exponentials come without value and slope at 0.
+    """
+    n, first = 8, 2 if rolls else 0
+    free, later = np.zeros((2 * n - 1, A.shape[1])), np.zeros((2 * n - 1, A.shape[1]))
+    free[0:13:2] = now
+    free[:13] -= decaying(g, alphas, first, 13)
+    for k in range(13, 15):
+        free[k] = -applied(A[:n], free[k - n : k])
+    operator = delay_operator(A, delay.tau / delay.steps, delay.halvings)
+    for _ in range(delay.steps):
+        for k in range(n):
+            later[k] = applied(operator, free[k : k + n])
+        for k in range(n, 15):
+            later[k] = -applied(A[:n], later[k - n : k])
+        free[:] = later
+    past = alphas * delay.tau
+    if rolls and len(alphas) > 0:
+        later[0] += (g * (np.expm1(-past) + past)).sum(axis=0)
+        later[1] -= (g * alphas * np.expm1(-past)).sum(axis=0)
+    return later + decaying(g * np.exp(-past), alphas, first, 15)
+
+
+def one_strut(strut: Array, compliance: Array, road: Track) -> Array:
+    """Variances (4, N) of `OneStrut`, where one strut alone carries the body.
+
+    Parameters
+    ----------
+    strut : ndarray, (5, N)
+        ``mu, ks, cs, kt, ct``.
+    compliance : ndarray, (N,)
+    road : Track
+    """
+    m, k, c = strut[0], strut[1], strut[2]
+    kappa, T, E = strut[1:3], strut[3:5], wheel(strut)
+    D = plus(scaled(product(kappa, E), compliance), plus(E, kappa), 2)
+    monic = 1.0 / D[-1]
+    rates, _ = apart(D, road.alphas)
+    now = -start(scaled(D, monic), Track(road.static, rates, road.weights))[1:]
+    P = scaled(modulus(T), monic**2)
+    d, rate, jerk = applied(P, now), -applied(P, now[1:]), applied(P, now[2:])
+    F = k**2 * d + c**2 * rate
+    own = 1.0 + m * compliance
+    out = np.zeros((4, strut.shape[1]))
+    out[0], out[1], out[2] = F, d, rate
+    out[3] = own**2 * F - 2.0 * own * m * k * rate + m**2 * jerk
+    return out
+
+
+def two_struts(struts: Array, body: Body, road: Track, delay: Delay, damped: bool) -> Array:
+    """Variances (9, N) of `TwoStruts`, where the second strut meets the road a delay after the first.
+
+    Parameters
+    ----------
+    struts : ndarray, (2, 5, N)
+        ``mu, ks, cs, kt, ct`` of each.
+    body : Body
+    road : Track
+    delay : Delay
+    damped : bool
+        Whether any tyre has damping.
+    """
+    compliance, rolls, N = body.compliance, body.rolls, struts.shape[2]
+    u11, u22, u12 = compliance[0, 0], compliance[1, 1], compliance[0, 1]
+    tyre = 5 if damped else 4
+    kappa1, T1, E1 = struts[0, 1:3], struts[0, 3:tyre], wheel(struts[0])
+    kappa2, T2, E2 = struts[1, 1:3], struts[1, 3:tyre], wheel(struts[1])
+    G1, H1, G2, H2 = plus(E1, kappa1), product(kappa1, E1), plus(E2, kappa2), product(kappa2, E2)
+    Q1, Q2 = plus(scaled(H1, u11), G1, 2), plus(scaled(H2, u22), G2, 2)
+
+    # D / s^2 but for the rigidity's share, which a rolling body does not have.
+    D = plus(scaled(product(H1, G2), u11), scaled(product(H2, G1), u22))
+    D = plus(D, product(G1, G2), 2)
+    if not rolls:
+        D = plus(scaled(product(H1, H2), body.rigidity), D, 2)
+    monic = 1.0 / D[-1]
+    D = scaled(D, monic)
+    rates, both = apart(D, road.alphas)
+    r = start(D, Track(road.static, rates, road.weights))
+    # Deflections are polynomials in xi', or in the integral of xi where the body rolls: of autocorrelation R.
+    zero = np.zeros((7, N))
+    if rolls:
+        zero[1:] -= r
+    else:
+        zero -= r[1:]
+
+    # Numerators of d_1 and d_2 (a of the strut's own road, b of the other's), over the leading coefficient of D.
+    T1, T2, across = scaled(T1, monic), scaled(T2, monic), -u12
+    a1, b1 = product(T1, Q2), scaled(product(T2, product(E1, kappa2)), across)
+    a2, b2 = product(T2, Q1), scaled(product(T1, product(E2, kappa1)), across)
+    own1, own2, cross = np.zeros((3, N)), np.zeros((3, N)), np.zeros((4, N))
+    if delay.steps == 0:
+        a1, a2 = plus(a1, b1), plus(a2, b2)
+        P1, P2, P12 = modulus(a1), modulus(a2), product(a1, reflected(a2))
+    else:
+        P1, P2 = plus(modulus(a1), modulus(b1)), plus(modulus(a2), modulus(b2))
+        P12 = plus(product(a1, reflected(b2)), product(b1, reflected(a2)))
+    for k in range(3):
+        own1[k], own2[k] = applied(P1, zero[k:]), applied(P2, zero[k:])
+    for k in range(4):
+        cross[k] = applied(every_other(P12, k % 2), zero[(k + 1) // 2 :])
+    if delay.steps > 0:
+        gone = -0.5 * road.weights / both
+        A = plus(np.zeros((1, N)), D, 2) if rolls else D
+        g = gone / rates if rolls else gone * rates**3
+        later = carried(A, zero, g, rates, rolls, delay)
+        P1, P2 = product(a1, reflected(b1)), product(b2, reflected(a2))
+        ahead, behind = product(a1, reflected(a2)), product(reflected(b1), b2)
+        for k in range(3):
+            own1[k] += 2.0 * applied(P1, later[2 * k :])
+            own2[k] += 2.0 * applied(P2, later[2 * k :])
+        for k in range(4):
+            cross[k] += applied(ahead, later[k:]) + (-1.0) ** k * applied(behind, later[k:])
+    return read_off(struts, compliance, own1, own2, cross)
+
+
+def read_off(struts: Array, compliance: Array, own1: Array, own2: Array, cross: Array) -> Array:
+    """Rows of `two_struts`, for every design at once."""
+    one, other = (Wheel(strut[0], strut[1], strut[2]) for strut in struts)
+    joint = Joint(compliance[0, 0], compliance[1, 1], compliance[0, 1])
+    return np.stack(combined(one, other, joint, Even(*own1), Even(*own2), Cross(*cross)))
+
+
+def combined(one: Wheel, other: Wheel, joint: Joint, d1: Even, d2: Even, cross: Cross) -> TwoStruts:
+    """Strut forces, deflections, rates and tyre loads from those of the deflections, element by element."""
+    rate1, rate2 = -d1.bend, -d2.bend
+    m1, k1, c1 = one
+    m2, k2, c2 = other
+    F1, F2 = k1 * k1 * d1.value + c1 * c1 * rate1, k2 * k2 * d2.value + c2 * c2 * rate2
+    F12 = k1 * k2 * cross.value - c1 * c2 * cross.bend + (c1 * k2 - k1 * c2) * cross.slope
+    # Tyre load F + m (u_ii F + u_ij F_j + d''): the wheel accelerates with the body point and along the deflection.
+    s1, t1, s2, t2 = 1.0 + m1 * joint.u11, m1 * joint.u12, 1.0 + m2 * joint.u22, m2 * joint.u12
+    own1 = s1 * s1 * F1 + t1 * t1 * F2 + m1 * m1 * d1.jerk
+    own2 = s2 * s2 * F2 + t2 * t2 * F1 + m2 * m2 * d2.jerk
+    bend, third = cross.bend, cross.third
+    load1 = own1 + 2.0 * (s1 * t1 * F12 - s1 * m1 * k1 * rate1 + t1 * m1 * (k2 * bend - c2 * third))
+    load2 = own2 + 2.0 * (s2 * t2 * F12 - s2 * m2 * k2 * rate2 + t2 * m2 * (k1 * bend + c1 * third))
+    return TwoStruts(F1, F2, F12, d1.value, d2.value, rate1, rate2, load1, load2)
+
+
+def wheel(strut: Array) -> Array:
+    """``E = kt + ct s + m s^2``."""
+    E = np.zeros((3, strut.shape[1]))
+    E[:2], E[2] = strut[3:5], strut[0]
+    return E

@@ -1,0 +1,195 @@
+"""Variances of a left-right symmetric vehicle: one problem a half, on its share of the road, added up."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...quantities import signal
+from ...roads.colours import colours
+from ...roads.road import Road
+from ...vehicles.decoupled import Half
+from ...vehicles.second_order import Outputs
+from ...vehicles.vehicle import Vehicle
+from ..excitation import Process, delay, processes
+from . import polynomials
+from .polynomials import Array, Body, Delay, OneStrut, Track, TwoStruts
+
+# A delay is walked in steps in which no root turns by more than this many radians: e^(s h) mod D keeps its digits.
+REACH = 16.0
+
+# A delay of more steps than this (a walking pace) is left to matrices, which square their way through it.
+LONGEST_WALK = 256
+
+# An acceleration whose variance is at most the first share of its terms is zero by symmetry; up to the second, it may
+# have lost digits.
+ZERO, CANCELLED = 1e-14, 1e-9
+
+# Ratios of masses, of stiffnesses, and of damping to its critical value, within which variances keep ten digits. Beyond
+# them they are computed in two systems of units, which must agree to this for six digits to be sure.
+SPREAD, LIGHT, HEAVY = 300.0, 1e-3, 30.0
+AGREED = 1e-7
+OTHER_MASS, OTHER_TIME = 0.73, 1.37
+
+
+class Problem(NamedTuple):
+    """One half on its share of the road, as arrays over N designs.
+
+    ``struts`` (struts, 5, N) stand for the corners ``places``; ``accelerations`` of further points by name, per force
+    of each strut (struts, N).
+    """
+
+    places: tuple[tuple[str, ...], ...]
+    struts: Array
+    body: Body
+    accelerations: dict[str, Array]
+    road: Track
+    tau: Array
+    delayed: bool
+
+    def variances(self, kernels: Any, walk: tuple[int, int]) -> dict[str, Array]:
+        """Variance (N,) of every output, by the kernels of `polynomials` or `polynomials_numba`."""
+        compliance = self.body.compliance
+        if len(self.struts) == 1:
+            one = OneStrut._make(kernels.one_strut(self.struts[0], compliance[0, 0], self.road))
+            forces, deflections, rates, loads = [[one.force]], [one.deflection], [one.rate], [one.load]
+        else:
+            damped = bool(self.struts[:, 4].any())
+            two = TwoStruts._make(kernels.two_struts(self.struts, self.body, self.road, Delay(self.tau, *walk), damped))
+            forces = [[two.force_1, two.force_12], [two.force_12, two.force_2]]
+            deflections, rates = [two.deflection_1, two.deflection_2], [two.rate_1, two.rate_2]
+            loads = [two.load_1, two.load_2]
+
+        def acceleration(per_force: Array) -> Array:
+            terms = [u * v * forces[i][j] for i, u in enumerate(per_force) for j, v in enumerate(per_force)]
+            total, size = sum(terms), sum(map(np.abs, terms))
+            return np.where(total > CANCELLED * size, total, np.where(np.abs(total) < ZERO * size, 0.0, np.nan))
+
+        out = {name: acceleration(per_force) for name, per_force in self.accelerations.items()}
+        for i, corners in enumerate(self.places):
+            loads[i][self.struts[i, 4] > 0.0] = np.inf
+            values = {"bacc": acceleration(compliance[i]), "sws": deflections[i], "dtl": loads[i], "dsws": rates[i]}
+            out |= {signal(kind, corner): variance for corner in corners for kind, variance in values.items()}
+        return out
+
+    def walk(self) -> tuple[int, int]:
+        """How many steps reach every delay, and how often each halves before no root turns by a radian in it."""
+        if not self.delayed:
+            return 0, 0
+        mu, ks, cs, kt, ct = np.moveaxis(self.struts, 1, 0)
+
+        def bound(spring: Array, tyre: Array, unit: float) -> float:
+            """Largest row sum of the springs' matrix over the masses, the body's coordinates in this unit."""
+            at_body = np.einsum("ijn,jn->in", np.abs(self.body.compliance), (1.0 + 1.0 / unit) * spring)
+            return max(float(at_body.max()), float((((1.0 + unit) * spring + tyre) / mu).max()))
+
+        def fastest(unit: float) -> float:
+            half = 0.5 * bound(cs, ct, unit)
+            return half + np.sqrt(half**2 + bound(ks, kt, unit))
+
+        # Any unit bounds the roots; a small one does so tightly where the wheels are faster than the body.
+        turns = min(fastest(1.0), fastest(0.25)) * float(self.tau.max())
+        steps = int(np.ceil(turns / REACH))
+        return steps, max(0, int(np.ceil(np.log2(turns / steps))))
+
+    def undamped(self) -> bool:
+        """Whether some wheel has no damper at all."""
+        return bool(((self.struts[:, 2] == 0.0) & (self.struts[:, 4] == 0.0)).any())
+
+    def extreme(self) -> bool:
+        """Whether some design is so far from any vehicle that its digits have to be counted."""
+        mu, ks, cs, kt, ct = np.moveaxis(self.struts, 1, 0)
+        masses = np.concatenate([mu, 1.0 / np.einsum("iin->in", self.body.compliance)])
+        stiffnesses = np.concatenate([ks, kt])
+        damping = (cs + ct) / np.sqrt((ks + kt) * mu)
+        spread = max(float((x.max(axis=0) / x.min(axis=0)).max()) for x in (masses, stiffnesses))
+        return not (spread < SPREAD and damping.min() > LIGHT and damping.max() < HEAVY)
+
+    def in_other_units(self) -> Problem:
+        """The same problem with mass and time in other units: the same result but for rounding."""
+        mass, time = OTHER_MASS, OTHER_TIME
+        force = mass / time**2
+        return self._replace(
+            struts=self.struts * np.array([mass, force, force * time, force, force * time])[:, None],
+            body=Body(self.body.compliance / mass, self.body.rigidity / mass**2, self.body.rolls),
+            accelerations={name: per_force / mass for name, per_force in self.accelerations.items()},
+            road=Track(self.road.static / time, self.road.alphas / time, self.road.weights / time),
+            tau=self.tau * time,
+        )
+
+
+def problems(vehicle: Vehicle, road: Road, N: int) -> list[Problem]:
+    """Split N designs on a road into problems; none where left and right differ, or no such split exists."""
+    if road.wheels is not None and not set(vehicle.wheels) <= set(road.wheels):
+        return []
+    tau = np.broadcast_to(np.asarray(delay(vehicle, road), dtype=float), N)
+    width = np.broadcast_to(np.asarray(vehicle.track_width, dtype=float), N)
+    # On identical tracks the half difference of left and right is nothing.
+    pairs = zip(vehicle.halves(), processes(vehicle, road), strict=False)
+    return [_problem(half, road, process, tau, width) for half, process in pairs]
+
+
+def _problem(half: Half, road: Road, process: Process, tau: Array, width: Array) -> Problem:
+    def stacked(rows: Any) -> Array:
+        out = np.empty((len(rows), len(tau)))
+        for row, values in zip(out, rows, strict=True):
+            row[:] = values
+        return out
+
+    spectrum = colours(road, process.share, process.sign, width)
+    count = range(len(half.struts))
+    body = half.body.items()
+    per_force = {name: [mode.mobility * arm for arm in mode.arms] for name, mode in body}
+    return Problem(
+        places=tuple(half.struts),
+        struts=np.stack([stacked(strut) for strut in half.struts.values()]),
+        body=Body(
+            np.stack([stacked([half.compliance(i, j) for j in count]) for i in count]),
+            stacked([half.rigidity()])[0],
+            len(body) == 1,
+        ),
+        accelerations={
+            name: stacked([sum(share * per_force[mode][i] for mode, share in shares.items()) for i in count])
+            for name, shares in half.points.items()
+        },
+        road=Track(
+            float(spectrum.static), np.ascontiguousarray(spectrum.alphas.T), np.ascontiguousarray(spectrum.weights.T)
+        ),
+        tau=tau,
+        delayed=bool(process.later.any()),
+    )
+
+
+def symmetric_variances(
+    vehicle: Vehicle, road: Road, outputs: Outputs, N: int, kernels: Any = polynomials
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Variances (outputs, N) of N designs, and which of them (N,) are left to matrices.
+
+    All are where left and right differ, a wheel sees no road, no damper reaches a wheel, or the delay is very long; and
+    each one is that may keep fewer than six digits here.
+    """
+    parts = problems(vehicle, road, N)
+    with np.errstate(all="ignore"):
+        walks = [part.walk() for part in parts]
+        if not parts or any(part.undamped() for part in parts) or max(walks)[0] > LONGEST_WALK:
+            return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)
+        variances = _total(parts, walks, outputs, kernels)
+        if not any(part.extreme() for part in parts):
+            return variances, np.logical_or.reduce(np.isnan(variances))
+        other = _total([part.in_other_units() for part in parts], walks, outputs, kernels)
+    acceleration, force = OTHER_TIME**-4.0, OTHER_MASS**2 * OTHER_TIME**-4.0
+    units = {"sws": 1.0, "dtl": force, "dsws": OTHER_TIME**-2.0}
+    other /= np.array([units.get(row.quantity.name, acceleration) for row in outputs.rows])[:, None]
+    apart = (variances != other) & ~(np.abs(variances - other) < AGREED * variances)
+    return variances, np.logical_or.reduce(apart)
+
+
+def _total(parts: list[Problem], walks: list[tuple[int, int]], outputs: Outputs, kernels: Any) -> Array:
+    total = np.zeros((len(outputs), len(parts[0].tau)))
+    at = {name: i for i, name in enumerate(outputs.names)}
+    for part, walk in zip(parts, walks, strict=True):
+        for name, variance in part.variances(kernels, walk).items():
+            total[at[name]] += variance
+    return total

@@ -1,0 +1,208 @@
+"""Derivatives of the variances of all outputs along P parameters: the algebra of `matrices`, in dual numbers.
+
+With ``A X + X A^T + Q = 0``, the tangent of X solves the same equation with another right-hand side, ``A dX + dX A^T +
+(dA X + X dA^T + dQ) = 0``, so that one inverse serves all parameters. The matrices are real-analytic in the
+parameters: an imaginary step gives their tangents to rounding. States are mass-normalised by the design's own masses.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...quantities import ROAD
+from ...roads.colours import colours
+from ...roads.road import Road
+from ...vehicles.second_order import SecondOrder, beyond_rounding
+from ...vehicles.vehicle import Vehicle
+from ..excitation import Process, processes
+from ..settings import Setting
+from .dual import Array, Dual
+from .first_order import Correlations, Spectrum
+from .lyapunov import Dynamics
+
+# So small that its square is nothing beside any parameter.
+STEP = 1e-30
+
+# A Taylor step of h with rate * h <= 1: 1 / 18! is below rounding.
+TAYLOR_TERMS = 18
+
+# A derivative of a transfer function that is smaller than this, relative to its terms, is zero.
+VANISHING = 1e-7
+
+
+class Tangents(NamedTuple):
+    """What is known of P parameters' effects on N designs.
+
+    Derivatives (P, N, outputs) of the variances, NaN where they are infinite or become so; where an output that is zero
+    by symmetry ceases to be, (P, N, outputs); and the dampers (N, corners).
+    """
+
+    variances: Array
+    kinked: Array
+    damping: Dual
+
+
+class _System(NamedTuple):
+    """``x' = A x + B z_r'``, ``y = Y x + on_warp * warp + D z_r'``, the dampers, and where the wheels are."""
+
+    A: Dual
+    B: Dual
+    Y: Dual
+    D: Dual
+    on_warp: Dual
+    damping: Dual
+    wheelbase: Dual
+    track_width: Dual
+
+
+def variance_tangents(vehicle: Vehicle, road: Road, settings: Sequence[Setting], variances: Array) -> Tangents:
+    """Differentiate the variances (N, outputs) of a flattened vehicle's N designs."""
+    N, model = len(variances), vehicle.assemble()
+    system = _system(vehicle, model, settings, N)
+    excited = processes(vehicle, road)
+
+    logarithmic = {name: _along(settings, name) / (getattr(road, name) or 1.0) for name in ROAD}
+    tau = system.wheelbase / road.speed
+    tau = Dual(tau.value, tau.tangent - tau.value * logarithmic["speed"])
+    if not any(process.later.any() for process in excited):
+        tau = 0.0 * tau
+
+    A = system.A
+    n = A.shape[-1] // 2
+    free_dynamics = Dynamics(-A[:, n:, :n], -A[:, n:, n:])
+    dynamics = Dynamics(free_dynamics.K.value, free_dynamics.C.value)
+    spectra = [_spectrum(road, process, system.track_width, logarithmic) for process in excited]
+    fronts = [(system.B @ process.now)[:, :, None] for process in excited]
+    E, forced = _carried(dynamics, A, tau, fronts, spectra[0].alphas)
+
+    Q, cross, own = 0.0 * A, 0.0 * fronts[0], 0.0 * spectra[0].white[:, 0]
+    for process, front, spectrum, drift in zip(excited, fronts, spectra, forced, strict=True):
+        rear = (system.B @ process.later)[:, :, None]
+        stirred = Correlations(free_dynamics, front, rear, E @ front, drift.mT[:, :, :, None], spectrum, tau)
+        Q += stirred.right_hand_side()
+        if model.warp is not None and (process.now @ model.warp or process.later @ model.warp):
+            with_warp, of_warp = stirred.warp(float(process.now @ model.warp), float(process.later @ model.warp))
+            cross, own = cross + with_warp, own + of_warp
+
+    X, _ = dynamics.lyapunov(Q.value)
+    sway = A.tangent @ X
+    dX, _ = dynamics.lyapunov(sway + np.swapaxes(sway, -1, -2) + Q.tangent)
+    Y, w = system.Y, system.on_warp
+    variance = ((Y @ Dual(X, dX)) * Y).sum(-1) + 2.0 * w * (Y @ cross)[:, :, 0] + w * w * own
+
+    zero = variances == 0.0
+    wheels = np.stack([side for process in excited for side in process[:2]], axis=-1)
+    passed_on, terms = system.D.tangent @ wheels, np.abs(system.D.tangent) @ np.abs(wheels)
+    unbounded = np.isinf(variances) | np.any(beyond_rounding(passed_on, terms), axis=-1)
+    kinked = zero & _moving(system, model, excited, tau) if zero.any() else np.zeros_like(unbounded)
+    return Tangents(np.where(unbounded, np.nan, np.where(zero, 0.0, variance.tangent)), kinked, system.damping)
+
+
+def _along(settings: Sequence[Setting], field: str, wheel: str | None = None) -> Array:
+    """Which settings are of a field (at a wheel), as a column (P, 1)."""
+    return np.array([[s.field == field and s.wheel in (None, wheel)] for s in settings], dtype=float)
+
+
+def _system(vehicle: Vehicle, model: SecondOrder, settings: Sequence[Setting], N: int) -> _System:
+    stepped = copy.copy(vehicle)
+    for name in {setting.field for setting in settings}.difference(ROAD):
+        if name in vehicle.per_corner:
+            parts = zip(vehicle.wheels, vehicle.at_wheels(name), strict=True)
+            moved: Any = tuple(value + 1j * STEP * _along(settings, name, wheel) for wheel, value in parts)
+        else:
+            moved = getattr(vehicle, name) + 1j * STEP * _along(settings, name)
+        # The vehicle itself was checked when it was made.
+        object.__setattr__(stepped, name, moved)
+
+    def dual(value: Any, moved: Any, ndim: int) -> Dual:
+        rest = np.shape(value)[np.ndim(value) - ndim :]
+        tangent = np.broadcast_to(np.imag(moved) / STEP, (len(settings), N, *rest))
+        return Dual(np.broadcast_to(value, (N, *rest)), tangent)
+
+    other = stepped.assemble()
+    n = len(model.layout.coordinates)
+    A, B, Y, D = (dual(x, y, 2) for x, y in zip(model.velocity_form(), other.velocity_form(), strict=True))
+    root = np.broadcast_to(np.sqrt(model.m), (N, n))
+    stretch = np.concatenate([root, root], axis=-1)
+    return _System(
+        A=A[:, : 2 * n, : 2 * n] * (stretch[:, :, None] / stretch[:, None, :]),
+        B=B[:, : 2 * n] * stretch[:, :, None],
+        Y=Y[:, :, : 2 * n] * (1.0 / stretch[:, None, :]),
+        D=D,
+        on_warp=dual(model.on_warp, other.on_warp, 1),
+        damping=dual(model.damping, other.damping, 1),
+        wheelbase=dual(vehicle.wheelbase, stepped.wheelbase, 0),
+        track_width=dual(vehicle.track_width, stepped.track_width, 0),
+    )
+
+
+def _spectrum(road: Road, process: Process, width: Dual, logarithmic: dict[str, Array]) -> Spectrum:
+    """The spectrum with its derivatives: rates go with the speed, weights with speed and roughness."""
+    part, step = (road, process.share, process.sign), 1.0 + 1j * STEP
+    _, white, alphas, weights = colours(*part, width.value)
+    N, wider = len(alphas), np.zeros_like(width.tangent)
+    np.divide(width.tangent, width.value, out=wider, where=width.value > 0.0)
+    roughness, speed, cutoff = (logarithmic[name][..., None] for name in ("roughness", "speed", "cutoff"))
+    ways = [(colours(*part, width.value * step), wider[..., None])]
+    if road.cutoff:
+        ways.append((colours(*part, width.value, road.cutoff * step), cutoff))
+
+    def dual(value: Array, scaled: Array, moved: list[tuple[Array, Array]]) -> Dual:
+        tangent = value * scaled + sum(other.imag / STEP * way for other, way in moved)
+        return Dual(value, np.broadcast_to(tangent, (len(tangent), *value.shape)))
+
+    intensity = speed + roughness
+    return Spectrum(
+        dual(np.full((N, 1), white), intensity, [])[:, :, None],
+        dual(alphas, speed, [(other.alphas, way) for other, way in ways]),
+        dual(weights, intensity, [(other.weights, way) for other, way in ways]),
+    )
+
+
+def _carried(dynamics: Dynamics, A: Dual, tau: Dual, sources: Sequence[Dual], alphas: Dual) -> tuple[Dual, list[Dual]]:
+    """Carry the states over the delay, freely and under decaying forcing from each source.
+
+    Returns ``E = e^(A tau)`` and, for each source b, ``f = int_0^tau e^(A (tau - s)) b e^(-alpha s) ds`` (N, 2n, J): by
+    Taylor over a short time h, then over twice the time and so on, ``E <- E^2`` and ``f <- E f + f e^(-alpha h)``.
+    """
+    size, J = A.value.shape[-1], alphas.value.shape[-1]
+    reach = np.max(np.maximum(dynamics.fastest(), alphas.value.max(axis=-1, initial=0.0)) * tau.value)
+    doublings = max(0, int(np.ceil(np.log2(max(reach, 1.0)))))
+    rates: Any = np.concatenate([alphas] * len(sources), axis=-1)[:, None, :]
+    h = tau[:, None, None] / 2.0**doublings
+
+    forcing: Any = np.concatenate([source + np.zeros(J) for source in sources], axis=-1)
+    E = term = 0.0 * A + np.eye(size)
+    f = drift = 0.0 * forcing
+    for k in range(1, TAYLOR_TERMS + 1 if reach else 0):
+        term, drift = A @ term * (h / k), (A @ drift + forcing) * (h / k)
+        forcing = forcing * (rates * h / -k)
+        E, f = E + term, f + drift
+    for _ in range(doublings):
+        f = E @ f + f * np.exp(-(rates * h))
+        E, h = E @ E, 2.0 * h
+    return E, [f[:, :, i * J : (i + 1) * J] for i in range(len(sources))]
+
+
+def _moving(system: _System, model: SecondOrder, excited: Sequence[Process], tau: Dual) -> Array:
+    """Where the transfer function of an output has a derivative (P, N, outputs), told at one middling frequency."""
+    A = system.A
+    n = A.value.shape[-1] // 2
+    s = 1j * np.sqrt(-np.trace(A.value[:, n:, :n], axis1=-2, axis2=-1) / n)[:, None, None]
+    late = np.exp(-(tau[:, None, None] * s))
+    still = -A + s * np.eye(2 * n)
+    moving = np.zeros(system.on_warp.tangent.shape, dtype=bool)
+    for process in excited:
+        x: Any = np.linalg.solve(
+            still, (system.B @ process.now)[:, :, None] + (system.B @ process.later)[:, :, None] * late
+        )
+        H = (system.Y @ x)[:, :, 0]
+        terms = np.abs(system.Y.tangent) @ np.abs(x.value) + np.abs(system.Y.value) @ np.abs(x.tangent)
+        if model.warp is not None:
+            H += system.on_warp * (late * (model.warp @ process.later) + model.warp @ process.now)[:, :, 0] / s[:, :, 0]
+        moving |= np.abs(H.tangent) > VANISHING * terms[..., 0]
+    return moving

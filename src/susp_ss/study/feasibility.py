@@ -1,0 +1,365 @@
+"""The feasibility study: a quarter car tuned three ways to a full car, over the study's range of springs and dampers.
+
+Low fidelity is the quarter car, high fidelity the full car at one corner; both are exact root mean squares on a random
+road. The study, *Feasibility study of surrogate model for the application of vehicle suspension system*, 2021, states
+no road, speed or place; the scenario here is a documented choice of this package.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import operator
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from ..metrics.response import Response
+from ..metrics.ride import ride_metrics
+from ..quantities import CORNERS, PARAMETERS
+from ..roads.road import Road
+from ..surrogates import ExtrapolationWarning, ParameterBased, ResponseBased, VariableBased, accuracy
+from ..vehicles.full import FullCar
+from ..vehicles.quarter import QuarterCar
+from .published import ACCURACY, COEFFICIENTS, CRITERIA, SURROGATES, Published, comparison, index, published, ranking
+from .tabulated import Tabulated
+
+STIFFNESS = (12536.0, 24570.0)
+"""Range of K_s in N/m (Table 2 of the study)."""
+
+DAMPING = (798.0, 2235.0)
+"""Range of C_s in N s/m (Table 2 of the study)."""
+
+FEW = (5, 10, 25)
+"""Numbers of high-fidelity designs on which the surrogates are fitted to see how few are enough."""
+
+ENOUGH = 1.05
+"""Few designs are enough when the RMSE over all nodes is within this factor of the fit on all nodes."""
+
+UNKNOWNS = {surrogate: len(names) for surrogate, names in COEFFICIENTS.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What `feasibility_study` found.
+
+    Attributes
+    ----------
+    road : Road
+        What the cars run over.
+    corner : str
+        Where the full car is measured.
+    nonnegative : bool
+        Whether the coefficients of RB and VB were kept from being negative.
+    responses : xarray.Dataset
+        ``lf``, ``hf``, ``RB``, ``VB``, ``PB`` on (ks, cs, criterion), in the unit of the coordinate ``unit``.
+    accuracy : pandas.DataFrame
+        R2, RMSE and MAE (the maximum absolute error) at the nodes, by (surrogate, criterion), SI units.
+    coefficients : pandas.DataFrame
+        a0, a1, a2 and ms by (surrogate, criterion); NaN where the model has no such term.
+    held_out : pandas.DataFrame
+        Like ``accuracy``, at designs that no fit has seen: halfway between neighbouring nodes, and cell centres.
+    cost : pandas.DataFrame
+        By (surrogate, criterion): ``unknowns`` of the fit; ``RMSE_5``, ``RMSE_10``, ``RMSE_25`` over all nodes when
+        fitted on that many space-filling designs instead of on the nodes; ``enough``: the smallest of these numbers
+        from which on the RMSE stays within 5 % of the fit on all nodes (NaN: none is); ``saved``: high-fidelity
+        evaluations spared by it.
+    seconds : dict
+        Median time measured for ``lf`` and ``hf`` responses at all nodes.
+    """
+
+    road: Road
+    corner: str
+    nonnegative: bool
+    responses: xr.Dataset
+    accuracy: pd.DataFrame
+    coefficients: pd.DataFrame
+    held_out: pd.DataFrame
+    cost: pd.DataFrame
+    seconds: dict[str, float]
+
+    @property
+    def nodes(self) -> tuple[int, int]:
+        """Number of springs and of dampers on the grid."""
+        return self.responses.sizes["ks"], self.responses.sizes["cs"]
+
+    @property
+    def published(self) -> Published:
+        """The study's own ``accuracy`` and ``coefficients``, as printed, in SI units."""
+        return published()
+
+    def comparison(self) -> pd.DataFrame:
+        """Ours beside the published value, one row an entry of Tables 3 to 5."""
+        return comparison(self.accuracy, self.coefficients)
+
+    def describe(self) -> str:
+        """Say in one line what was run."""
+        springs, dampers = self.nodes
+        return (
+            f"{springs} x {dampers} nodes, full car at {self.corner}, "
+            f"{'nonnegative' if self.nonnegative else 'free'} coefficients; {self.road.describe()}"
+        )
+
+    def __repr__(self) -> str:
+        """What was run, and which surrogate came nearest by each criterion."""
+        return f"Study: {self.describe()}; R2 {'; '.join(f'{c} {said}' for c, said in ranking(self.accuracy).items())}"
+
+    def _repr_html_(self) -> str:
+        return self.accuracy.to_html()
+
+
+def feasibility_study(
+    road: Road | None = None,
+    corner: str = "fr",
+    nodes: tuple[int, int] = (20, 20),
+    nonnegative: bool = False,
+) -> Study:
+    """Tune a quarter car to a full car by response, by variables and by sprung mass.
+
+    Both models are evaluated on a grid over Table 2 of the study. With ``f`` the quarter car and ``F`` the full car, RB
+    ``a0 + a1 f``, VB ``f + a0 + a1 K_s + a2 C_s`` and PB ``f(M_s)`` (Eqs 43 to 45) each minimise ``sum (S - F)^2``
+    (Eq 46) for body acceleration, dynamic tyre load and suspension working space, root mean square each.
+
+    Parameters
+    ----------
+    road : Road, optional
+        Class B at 20 m/s on an isotropic surface, the rear axle delayed, if None. ``road.wheels`` restricts what
+        the full car meets; the quarter car's one wheel always meets the road.
+    corner : {"fr", "fl", "rr", "rl"}
+        Where the full car is measured; its body acceleration above that corner.
+    nodes : (int, int)
+        Springs and dampers on the grid, both ends of Table 2 included; each >= 2.
+    nonnegative : bool
+        Keep the coefficients of RB and VB from being negative.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    TypeError, ValueError
+        An argument of the wrong kind, an unknown corner, an empty grid, or a road on which the metrics are not finite.
+
+    Examples
+    --------
+    >>> import susp_ss as ss
+    >>> study = ss.feasibility_study(nodes=(6, 6))
+    >>> study.responses["hf"].dims
+    ('ks', 'cs', 'criterion')
+    >>> study.coefficients.loc[("PB", "bacc"), "ms"].round(0).item()
+    198.0
+    """
+    road = Road.iso8608("B", speed=20.0, tracks="isotropic") if road is None else road
+    _check(road, corner, nonnegative)
+    ks, cs = grid(*checked_nodes(nodes))
+    lf, lf_seconds = _timed(lambda: low_fidelity(ks, cs, road))
+    hf, hf_seconds = _timed(lambda: high_fidelity(ks, cs, road, corner))
+    X, F = designs(ks, cs), hf.values.reshape(-1, len(CRITERIA))
+    quarter_car = _low_fidelity_functions(road)
+    fitted = fit(X, F, quarter_car, nonnegative)
+    at_nodes = scores(fitted, X, F)
+    halfway = between(ks, cs)
+    return Study(
+        road=road,
+        corner=corner,
+        nonnegative=bool(nonnegative),
+        responses=_responses(lf, hf, fitted, X, road, corner),
+        accuracy=at_nodes,
+        coefficients=tuned(fitted),
+        held_out=scores(fitted, halfway, _at(halfway, road, corner)),
+        cost=_cost(X, F, at_nodes, lambda few: _at(few, road, corner), quarter_car, nonnegative),
+        seconds={"lf": lf_seconds, "hf": hf_seconds},
+    )
+
+
+def fit(
+    X: NDArray[np.float64], F: NDArray[np.float64], low_fidelity: dict[str, Any], nonnegative: bool
+) -> dict[tuple[str, str], Any]:
+    """Fit every surrogate to every criterion.
+
+    Parameters
+    ----------
+    X : ndarray, (n, 2)
+        Designs (K_s, C_s).
+    F : ndarray, (n, 3)
+        Their high-fidelity responses, one column a criterion.
+    low_fidelity : dict
+        For each criterion a callable ``f(X)`` and ``f(X, ms)``, as `Response` is.
+
+    Returns
+    -------
+    dict
+        Fitted estimators by (surrogate, criterion).
+    """
+    fitted = {}
+    for (criterion, response), y in zip(low_fidelity.items(), F.T, strict=True):
+        for surrogate, model in fit_criterion(X, y, Tabulated(response, X), nonnegative).items():
+            fitted[surrogate, criterion] = model
+    return fitted
+
+
+def fit_criterion(X: NDArray, y: NDArray, f: Tabulated, nonnegative: bool) -> dict[str, Any]:
+    """Fit every surrogate to one criterion's high-fidelity responses y (n,)."""
+    return {
+        "RB": ResponseBased(f, nonnegative=nonnegative).fit(X, y),
+        "VB": VariableBased(f, nonnegative=nonnegative).fit(X, y),
+        "PB": ParameterBased(f).fit(X, y),
+    }
+
+
+def scores(fitted: dict[tuple[str, str], Any], X: NDArray, F: NDArray) -> pd.DataFrame:
+    """R2, RMSE and MAE of every surrogate at designs X, whose high-fidelity responses are F (n, 3)."""
+    column = dict(zip(CRITERIA, F.T, strict=True))
+    rows = [accuracy(column[key[1]], fitted[key].predict(X)) for key in index()]
+    return pd.DataFrame(rows, index=index(), columns=list(ACCURACY))
+
+
+def tuned(fitted: dict[tuple[str, str], Any]) -> pd.DataFrame:
+    """Coefficients a0, a1, a2 and ms of every surrogate; NaN where it has no such term."""
+    table = pd.DataFrame(index=index(), columns=["a0", "a1", "a2", "ms"], dtype=float)
+    for key in index():
+        table.loc[key, list(COEFFICIENTS[key[0]])] = coefficients_of(fitted[key])
+    return table
+
+
+def coefficients_of(model: Any) -> list[float]:
+    """Tuned values of a fitted surrogate, in the order of `COEFFICIENTS`."""
+    if isinstance(model, ParameterBased):
+        return [model.parameter_]
+    return [model.intercept_, *map(float, model.coef_)]
+
+
+def grid(springs: int, dampers: int) -> tuple[xr.DataArray, xr.DataArray]:
+    """Springs on dim ks and dampers on dim cs, evenly over Table 2, both ends included."""
+
+    def axis(name: str, bounds: tuple[float, float], count: int) -> xr.DataArray:
+        values = np.linspace(*bounds, count)
+        array = xr.DataArray(values, dims=name, coords={name: values})
+        array[name].attrs = {"units": PARAMETERS[name].unit, "long_name": PARAMETERS[name].meaning}
+        return array
+
+    return axis("ks", STIFFNESS, springs), axis("cs", DAMPING, dampers)
+
+
+def designs(ks: xr.DataArray, cs: xr.DataArray) -> NDArray[np.float64]:
+    """Every node of a grid as a row (K_s, C_s), springs outermost."""
+    return np.stack([axis.values.ravel() for axis in xr.broadcast(ks, cs)], axis=-1)
+
+
+def between(ks: xr.DataArray, cs: xr.DataArray) -> NDArray[np.float64]:
+    """Designs halfway between neighbouring nodes of a grid, and in the middle of its cells."""
+    rows = [np.linspace(axis[0], axis[-1], 2 * axis.size - 1) for axis in (ks.values, cs.values)]
+    i, j = np.indices([len(row) for row in rows])
+    new = (i % 2 == 1) | (j % 2 == 1)
+    return np.stack([rows[0][i[new]], rows[1][j[new]]], axis=-1)
+
+
+def low_fidelity(ks: Any, cs: Any, road: Road) -> xr.DataArray:
+    """The quarter car's three criteria, along a last dim ``criterion``."""
+    return by_criterion(ride_metrics(QuarterCar(ks=ks, cs=cs), dataclasses.replace(road, wheels=None)))
+
+
+def high_fidelity(ks: Any, cs: Any, road: Road, corner: str) -> xr.DataArray:
+    """The full car's three criteria at a corner, along a last dim ``criterion``."""
+    metrics = ride_metrics(FullCar(ks=ks, cs=cs), road)
+    return by_criterion(metrics.sel(point=corner, corner=corner).drop_vars(["point", "corner"]))
+
+
+def by_criterion(metrics: xr.Dataset) -> xr.DataArray:
+    """Stack the study's criteria along a last dim, with their units."""
+    stacked = metrics[list(CRITERIA)].to_dataarray("criterion").transpose(..., "criterion")
+    stacked.attrs = {}
+    return stacked.assign_coords(unit=("criterion", list(CRITERIA.values())))
+
+
+def _at(X: NDArray, road: Road, corner: str) -> NDArray[np.float64]:
+    return high_fidelity(X[:, 0], X[:, 1], road, corner).values
+
+
+def _low_fidelity_functions(road: Road) -> dict[str, Response]:
+    own = dataclasses.replace(road, wheels=None)
+    return {criterion: Response(QuarterCar(), own, criterion, parameter="ms") for criterion in CRITERIA}
+
+
+def _responses(
+    lf: xr.DataArray, hf: xr.DataArray, fitted: dict[tuple[str, str], Any], X: NDArray, road: Road, corner: str
+) -> xr.Dataset:
+    responses = xr.Dataset({"lf": lf, "hf": hf})
+    meanings = {"lf": "quarter car, low fidelity", "hf": f"full car at {corner}, high fidelity"}
+    for surrogate, formula in SURROGATES.items():
+        columns = [fitted[surrogate, criterion].predict(X) for criterion in CRITERIA]
+        responses[surrogate] = hf.copy(data=np.stack(columns, axis=-1).reshape(hf.shape))
+        meanings[surrogate] = f"surrogate {formula}"
+    for name, meaning in meanings.items():
+        responses[name].attrs = {"long_name": meaning, "units": "in coordinate unit"}
+    return responses.assign_attrs(road=road.describe(), corner=corner, statistic="root mean square")
+
+
+def _cost(
+    X: NDArray,
+    F: NDArray,
+    at_nodes: pd.DataFrame,
+    evaluate: Callable[[NDArray], NDArray],
+    low_fidelity: dict[str, Any],
+    nonnegative: bool,
+) -> pd.DataFrame:
+    # Unscrambled Halton points but the first, the corner of the range: every prefix fills the range.
+    unit_square = qmc.Halton(2, scramble=False).random(max(FEW) + 1)[1:]
+    few = qmc.scale(unit_square, *zip(STIFFNESS, DAMPING, strict=True))
+    F_few = evaluate(few)
+    cost = pd.DataFrame({"unknowns": [UNKNOWNS[surrogate] for surrogate, _ in index()]}, index=index())
+    for count in FEW:
+        fitted = fit(few[:count], F_few[:count], low_fidelity, nonnegative)
+        with warnings.catch_warnings():
+            # Few designs leave the corners of the range outside their box; how badly, is what is measured.
+            warnings.simplefilter("ignore", ExtrapolationWarning)
+            cost[f"RMSE_{count}"] = scores(fitted, X, F)["RMSE"]
+    near = np.array([cost[f"RMSE_{count}"] <= ENOUGH * at_nodes["RMSE"] for count in FEW])
+    # Luck with few designs does not count: every larger number must be near as well.
+    enough = np.logical_and.accumulate(near[::-1])[::-1]
+    cost["enough"] = np.select(list(enough), FEW, default=np.nan)
+    cost["saved"] = len(X) - cost["enough"]
+    return cost
+
+
+def _timed(run: Callable[[], Any]) -> tuple[Any, float]:
+    seconds = []
+    for _ in range(3):
+        start = time.perf_counter()
+        result = run()
+        seconds.append(time.perf_counter() - start)
+    return result, float(np.median(seconds))
+
+
+def _check(road: Any, corner: Any, nonnegative: Any) -> None:
+    if not isinstance(road, Road):
+        raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {road!r}")
+    if road.waviness != 2.0:
+        raise ValueError(
+            f"feasibility_study needs a road of waviness 2, got {road.waviness:g}; scan_scenarios takes other "
+            "waviness on a coarser grid"
+        )
+    if not isinstance(corner, str) or corner not in CORNERS:
+        raise ValueError(f"no corner named {corner!r}, available: {', '.join(CORNERS)}")
+    if not isinstance(nonnegative, (bool, np.bool_)):
+        raise TypeError(f"nonnegative must be True or False, got {nonnegative!r}")
+
+
+def checked_nodes(nodes: Any) -> tuple[int, int]:
+    """Return the numbers of springs and dampers, or say what is wrong with them."""
+    need = "nodes must be two whole numbers >= 2, springs and dampers, such as (20, 20)"
+    try:
+        springs, dampers = (operator.index(count) for count in nodes)
+    except (TypeError, ValueError):
+        raise TypeError(f"{need}, got {nodes!r}") from None
+    if min(springs, dampers) < 2:
+        raise ValueError(f"{need}, got {nodes!r}")
+    return springs, dampers

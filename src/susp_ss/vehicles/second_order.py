@@ -1,0 +1,243 @@
+"""Second-order models: matrices, their output table, and first-order forms of both.
+
+``M q'' + C q' + K q = C_in z_r' + K_in z_r``, for one design or for a whole batch of them, turns into first-order form
+in either of two states:
+
+- displacement input: ``(q, v)`` with ``v = q' - M^-1 C_in z_r``;
+- velocity input: ``(p, v, warp)`` with ``p = q - G z_r``, the motion relative to where the road would carry the
+  vehicle statically (``G = K^-1 K_in``). No integrator remains, except the warp of a four-wheeled ground, which
+  a rigid body cannot follow.
+
+What a model is known to be without a look at its numbers, it says itself (`SecondOrder.damped`); a changed copy says
+nothing, and what is not said is found out by eigenvalues.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..quantities import Quantity, signal
+
+Array = NDArray[np.float64]
+
+# A sum no larger than this, relative to its terms, is zero but for rounding.
+ROUNDING = 1e-12
+
+
+class Row(NamedTuple):
+    """One row of the output table; what is not public serves other outputs."""
+
+    quantity: Quantity
+    place: str
+    public: bool
+
+    @property
+    def name(self) -> str:
+        return signal(self.quantity.name, self.place)
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """The output table, found by names: public rows first."""
+
+    rows: tuple[Row, ...]
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        return tuple(row.name for row in self.rows)
+
+    @cached_property
+    def public(self) -> slice:
+        return slice(sum(row.public for row in self.rows))
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity]:
+        """Public quantities by name, in the order of their first rows."""
+        return {row.quantity.name: row.quantity for row in self.rows[self.public]}
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def places(self, quantity: str) -> tuple[str, ...]:
+        """Where a quantity is measured."""
+        return tuple(row.place for row in self.rows if row.quantity.name == quantity)
+
+    def of(self, quantity: str) -> slice | list[int]:
+        """The rows of a quantity, in the order of its places: a slice if they follow one another."""
+        found = [i for i, row in enumerate(self.rows) if row.quantity.name == quantity]
+        first, last = found[0], found[-1]
+        return slice(first, last + 1) if last - first + 1 == len(found) else found
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names that all designs of a kind of vehicle share."""
+
+    coordinates: tuple[str, ...]
+    inputs: tuple[str, ...]
+    corners: tuple[str, ...]
+    outputs: Outputs
+    warps: bool
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """The states of displacement input (q, v)."""
+        return self.coordinates + tuple(f"d{name}" for name in self.coordinates)
+
+    @property
+    def relative_states(self) -> tuple[str, ...]:
+        """The road-relative states (p, v), then the warp if there is one."""
+        positions = tuple(f"p_{name}" for name in self.coordinates)
+        velocities = tuple(f"d{name}" for name in self.coordinates)
+        return positions + velocities + (("warp",) if self.warps else ())
+
+
+@dataclass(frozen=True, eq=False)
+class SecondOrder:
+    """``M q'' + C q' + K q = C_in z_r' + K_in z_r`` with outputs, as arrays of shape (designs..., rows, columns).
+
+    The outputs are ``y = elongation (R q + N z_r) + rate (R q' + N z_r') + acceleration q''``, with one row of R and N
+    a link; ``suspensions`` and ``tyres`` are the rows of each corner's. Nothing needs K or C to be symmetric.
+    """
+
+    layout: Layout
+    m: Array
+    K: Array
+    C: Array
+    K_in: Array
+    C_in: Array
+    R: Array
+    N: Array
+    acceleration: Array
+    elongation: Array
+    rate: Array
+    suspensions: NDArray[np.int_]
+    tyres: NDArray[np.int_]
+    damping: Array
+    warp: Array | None
+
+    damped: NDArray[np.bool_] | None = field(default=None, init=False)
+    """Designs (designs...,) whose every mode is known to be damped. `dataclasses.replace` does not hand it on."""
+
+    @cached_property
+    def symmetric(self) -> bool:
+        """Whether K and C of every design equal their transposes, beyond rounding."""
+        return all(
+            bool(np.all(np.abs(x - np.swapaxes(x, -1, -2)) <= ROUNDING * np.abs(x).max(axis=(-2, -1), keepdims=True)))
+            for x in (self.K, self.C)
+        )
+
+    @cached_property
+    def minv(self) -> Array:
+        """``M^-1`` as a column, to scale rows."""
+        return 1.0 / self.m[..., None]
+
+    @cached_property
+    def G(self) -> Array:
+        """Static displacement ``K^-1 K_in`` under unit road heights."""
+        return np.asarray(np.linalg.solve(self.K, self.K_in), dtype=self.K.dtype)
+
+    @cached_property
+    def on_position(self) -> Array:
+        return self.elongation @ self.R - self.acceleration @ (self.minv * self.K)
+
+    @cached_property
+    def on_velocity(self) -> Array:
+        return self.rate @ self.R - self.acceleration @ (self.minv * self.C)
+
+    @cached_property
+    def on_road_velocity(self) -> Array:
+        """Coefficients of ``z_r'`` that no state carries: what makes an output improper, or white."""
+        at_wheels = self.minv * self.C_in
+        total = self.rate @ self.N + self.acceleration @ at_wheels
+        terms = np.abs(self.rate) @ np.abs(self.N) + np.abs(self.acceleration) @ np.abs(at_wheels)
+        return np.where(beyond_rounding(total, terms), total, 0.0)
+
+    @cached_property
+    def on_warp(self) -> Array:
+        """Outputs per metre of static road warp, (designs..., outputs)."""
+        if self.warp is None:
+            return np.zeros(self.on_position.shape[:-1])
+        residual = (self.R @ self.G + self.N) @ (self.warp / (self.warp @ self.warp))
+        return (self.elongation @ residual[..., None])[..., 0]
+
+    @cached_property
+    def A(self) -> Array:
+        """First-order matrix over (position, velocity)."""
+        n = len(self.layout.coordinates)
+        A = np.zeros((*self.K.shape[:-2], 2 * n, 2 * n), dtype=np.result_type(self.m, self.K, self.C))
+        A[..., :n, n:] = np.eye(n)
+        A[..., n:, :n] = -self.minv * self.K
+        A[..., n:, n:] = -self.minv * self.C
+        return A
+
+    def displacement_form(self) -> tuple[Array, Array, Array, Array, Array]:
+        """``x' = A x + B z_r``, ``y = Y x + D z_r + D1 z_r'`` over ``x = (q, q' - M^-1 C_in z_r)``."""
+        Bz = self.minv * self.C_in
+        B = np.concatenate([Bz, self.minv * (self.K_in - self.C @ Bz)], axis=-2)
+        Y = np.concatenate([self.on_position, self.on_velocity], axis=-1)
+        D = self.elongation @ self.N + self.acceleration @ (self.minv * self.K_in) + self.on_velocity @ Bz
+        return self.A, B, Y, D, self.on_road_velocity
+
+    def velocity_form(self) -> tuple[Array, Array, Array, Array]:
+        """``x' = A x + B z_r'``, ``y = Y x + D z_r'`` over the road-relative ``x = (p, v)``, then the warp if any."""
+        A, B = self.A, np.concatenate([-self.G, self.minv * self.C_in], axis=-2)
+        Y = np.concatenate([self.on_position, self.on_velocity], axis=-1)
+        if self.warp is not None:
+            A = np.pad(A, [(0, 0)] * (A.ndim - 2) + [(0, 1), (0, 1)])
+            B = np.concatenate([B, np.broadcast_to(self.warp, (*B.shape[:-2], 1, B.shape[-1]))], axis=-2)
+            Y = np.concatenate([Y, self.on_warp[..., None]], axis=-1)
+        return A, B, Y, self.on_road_velocity
+
+    def transfer(self, omega: Array) -> Array:
+        """Outputs per road VELOCITY at angular frequencies ``omega`` (F,), as (designs..., F, outputs, inputs).
+
+        With ``D = K + s C + s^2 M`` and ``s = j w``, the road-relative positions solve ``D p = C_in - C G - s M G`` and
+        the velocities ``D v = K_in + s C_in``: either right-hand side alone would lose the other's digits at one
+        end of the frequency axis. What grows as ``1/s`` is the static warp alone.
+        """
+        s = 1j * np.asarray(omega, dtype=float)[:, None, None]
+        M = self.m[..., None, :, None] * np.eye(len(self.layout.coordinates))
+        K, C, G, C_in, K_in = (x[..., None, :, :] for x in (self.K, self.C, self.G, self.C_in, self.K_in))
+        right = np.concatenate(np.broadcast_arrays(C_in - C @ G - s * (M @ G), K_in + s * C_in), axis=-1)
+        p, v = np.split(np.linalg.solve(K + s * (C + s * M), right), 2, axis=-1)
+        H = self.on_position[..., None, :, :] @ p + self.on_velocity[..., None, :, :] @ v
+        H = H + self.on_road_velocity[..., None, :, :]
+        if self.warp is not None:
+            H = H + self.on_warp[..., None, :, None] * self.warp / s
+        return H
+
+    def unstable(self) -> NDArray[np.bool_]:
+        """Designs with a mode that is not damped: not asymptotically stable. Eigenvalues tell where nothing else does.
+
+        A real part of rounding is none.
+        """
+        unstable = np.ones(self.K.shape[:-2], dtype=bool) if self.damped is None else ~self.damped
+        if unstable.any():
+            eigenvalues = np.linalg.eigvals(self.A[unstable])
+            scale = np.abs(eigenvalues).max(axis=-1)
+            unstable[unstable] = eigenvalues.real.max(axis=-1) > -ROUNDING * scale
+        return unstable
+
+
+def beyond_rounding(total: NDArray, terms: NDArray) -> NDArray[np.bool_]:
+    """Which sums are more than the rounding of their terms, whose sizes are added up in ``terms``."""
+    return np.abs(total) > ROUNDING * terms
+
+
+def coefficients(forms: Sequence, names: Sequence) -> NDArray:
+    """Coefficients of each linear form (a mapping of names to factors) on each name, (designs..., forms, names)."""
+    factors = [np.asarray(x) for form in forms for x in form.values()]
+    shape = np.broadcast_shapes(*(x.shape for x in factors))
+    rows = np.zeros((*shape, len(forms), len(names)), dtype=np.result_type(float, *factors))
+    for i, form in enumerate(forms):
+        for name, factor in form.items():
+            if name in names:
+                rows[..., i, names.index(name)] = factor
+    return rows
