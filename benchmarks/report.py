@@ -8,7 +8,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from susp_ss.responses.variances import MANY, PLENTY
+from susp_ss.responses.covariance.routes import MANY, PLENTY
 
 LIBRARIES = ("numpy", "scipy", "numba", "control")
 
@@ -43,9 +43,9 @@ def rows(header, body):
     return ["| " + " | ".join(map(str, row)) + " |" for row in (header, ["---"] * len(header), *body)]
 
 
-def beside(seconds, ours, count):
-    """Microseconds a design, and the ratio to ours in brackets."""
-    return f"{digits(1e6 * seconds / count)} ({digits(seconds / ours, 2)})"
+def beside(timing, ours, count):
+    """Microseconds a design, and the ratio to ours in brackets; or why there is none."""
+    return timing.failed or f"{digits(1e6 * timing.median / count)} ({digits(timing.median / ours, 2)})"
 
 
 def markdown(cases, names, runs, by_designs, by_outputs, load, took):
@@ -73,7 +73,7 @@ def markdown(cases, names, runs, by_designs, by_outputs, load, took):
         body = [[f"**{names[ours]}**", *(f"**{digits(1e6 * own[n] / n)}**" for n in counts)]]
         for contender in case.contenders[1:]:
             found = (by_designs.get((case.name, contender, n)) for n in counts)
-            cells = (timing and beside(timing.median, own[n], n) for n, timing in zip(counts, found, strict=True))
+            cells = (timing and beside(timing, own[n], n) for n, timing in zip(counts, found, strict=True))
             body.append([names[contender], *(cell or "–" for cell in cells)])
         body.append(["designs/s, ours", *(digits(n / own[n], 2) for n in counts)])
         text += [f"## {case.name.capitalize()}", "", *rows(["designs at once", *(f"{n:,}" for n in counts)], body), ""]
@@ -89,7 +89,7 @@ def degrees_of_freedom(cases, names, by_designs):
     for case in cases:
         if {eig, lyapunov} <= set(case.contenders):
             own = by_designs[case.name, ours, 1000].median
-            peers = (beside(by_designs[case.name, peer, 1000].median, own, 1000) for peer in (eig, lyapunov))
+            peers = (beside(by_designs[case.name, peer, 1000], own, 1000) for peer in (eig, lyapunov))
             many = 1e6 * by_designs[case.name, ours, 10**5].median / 10**5
             body.append([case.degrees_of_freedom, case.name, digits(1e3 * own), *peers, digits(many)])
     header = ["degrees of freedom", "", *(names[n] for n in (ours, eig, lyapunov)), "ours, 100,000 designs"]
@@ -102,7 +102,7 @@ def outputs(names, by_outputs, count=100):
     own = by_outputs[ours, every].median
     body = [[f"**{names[ours]}**", "all come at once", f"**{digits(1e6 * own / count)}**"]]
     for peer in dict.fromkeys(name for name, _ in by_outputs if name != ours):
-        cells = (beside(by_outputs[peer, number].median, own, count) for number in (1, every))
+        cells = (beside(by_outputs[peer, number], own, count) for number in (1, every))
         body.append([names[peer].partition(",")[0], *cells])
     return [
         f"## Against outputs, {count} full cars",
@@ -136,7 +136,10 @@ def plot(cases, names, by_designs):
     ours = next(iter(names))
 
     def draw(axes, case, contender, label, style, width):
-        points = [(n, 1e6 * t.median / n) for (c, p, n), t in by_designs.items() if (c, p) == (case, contender)]
+        timings = {n: t for (c, p, n), t in by_designs.items() if (c, p) == (case, contender) and not t.failed}
+        points = [(n, 1e6 * t.median / n) for n, t in timings.items()]
+        if not points:
+            return None
         color, marker = style
         axes.loglog(*zip(*points, strict=True), color=color, marker=marker, ms=4, lw=width, label=label)
         return (*points[-1], label, color)
@@ -146,7 +149,7 @@ def plot(cases, names, by_designs):
         for (contender, name), style in zip(names.items(), STYLES, strict=True)
     ]
     height = 0.0
-    for n, microseconds, name, color in sorted(ends, key=lambda end: end[1]):
+    for n, microseconds, name, color in sorted(filter(None, ends), key=lambda end: end[1]):
         # Beside the end of its line, above the label below it; ours, which falls to its end, has room below.
         height = max(microseconds, 1.9 * height)
         place = {"xytext": (4, -16), "ha": "right"} if name == names[ours] else {"xytext": (6, 0), "ha": "left"}

@@ -23,7 +23,7 @@ from report import markdown, plot, write
 from rich.console import Console
 
 import susp_ss as ss
-from susp_ss.responses.variances import PLENTY
+from susp_ss.responses.covariance.routes import PLENTY
 
 RESULTS = Path(__file__).parent / "results"
 
@@ -67,7 +67,7 @@ class Case:
 
     @property
     def degrees_of_freedom(self):
-        return len(self.model().assemble().coordinates)
+        return len(self.model.layout().coordinates)
 
     def designs(self, count):
         rng = np.random.default_rng(count)
@@ -104,22 +104,22 @@ class Race:
         self.road, self.cars = case.road, case.designs(count)
 
     def ours_covariance(self):
-        return ss.ride_metrics(self.cars, self.road)
+        return ss.ride_metrics(self.cars, self.road).sws
 
     def ours_spectral(self):
-        return ss.ride_metrics(self.cars, self.road, method="spectral")
+        return ss.ride_metrics(self.cars, self.road, method="spectral").sws
 
     def ours_time(self):
-        return ss.ride_metrics(self.cars, self.road, method="time", duration=20.0, step=0.005)
+        return ss.ride_metrics(self.cars, self.road, method="time", duration=20.0, step=0.005).sws
 
     @cached_property
     def matrices(self):
         """``x' = A x + front w(t) + rear w(t - tau)``, ``y = Y x`` of all designs; without the warp, which is zero."""
         assembled = self.cars.assemble()
         A, B, Y, _ = assembled.velocity_form()
-        n = 2 * len(assembled.coordinates)
+        n = 2 * len(assembled.layout.coordinates)
         behind = np.array([float(wheel.axle) for wheel in self.cars.wheels.values()])
-        A, B, Y = (np.broadcast_to(x, (self.cars.sweep().size, *x.shape[-2:])) for x in (A, B, Y))
+        A, B, Y = (np.broadcast_to(x, (self.cars.design_space().size, *x.shape[-2:])) for x in (A, B, Y))
         return A[:, :n, :n], Y[:, :, :n], B[:, :n] @ (1.0 - behind), B[:, :n] @ behind
 
     @property
@@ -163,33 +163,50 @@ class Race:
         t = np.arange(0.0, 20.0, 0.005)
         w = np.random.default_rng(0).standard_normal((1, len(t)))
         for A, Y, front, _ in zip(*self.matrices, strict=True):
-            control.forced_response(control.ss(A, front[:, None], Y, np.zeros((len(Y), 1))), t, w)
+            history = control.forced_response(control.ss(A, front[:, None], Y, np.zeros((len(Y), 1))), t, w)
+        return history.outputs
 
 
 def check_agreement(case):
     """Refuse the timings of peers that compute something else than ours."""
     race = Race(case, 3)
-    travel = [name.startswith("sws") for name in race.cars.assemble().outputs]
-    ours = race.ours_covariance().sws.to_numpy().reshape(3, -1)
+    travel = [name.startswith("sws") for name in race.cars.layout().outputs.names]
+    ours = race.ours_covariance().to_numpy().reshape(3, -1)
     for peer in set(case.contenders) & {EIG, LYAPUNOV}:
         np.testing.assert_allclose(getattr(race, peer)()[:, travel], ours, rtol=1e-6, err_msg=f"{peer}, {case.name}")
 
 
 class Timing(NamedTuple):
-    """Seconds of the first call and the median of the next ones; of the only call if it is not repeated."""
+    """Seconds of the first call and the median of the next ones; of the only call if it is not repeated.
+
+    Of a contender that failed, until it did; ``failed`` says why.
+    """
 
     first: float
     median: float
+    failed: str = ""
 
 
 def timed(run: Callable, runs: int) -> Timing:
+    failed = ""
+
     def seconds():
+        nonlocal failed
         start = time.perf_counter()
-        run()
-        return time.perf_counter() - start
+        # What a peer cannot do on some machine is a result, too.
+        try:
+            found = run()
+        except (ArithmeticError, ValueError, RuntimeError, np.linalg.LinAlgError) as error:
+            failed = f"failed: {type(error).__name__}, {' '.join(str(error).split())}"[:70]
+            return time.perf_counter() - start
+        taken = time.perf_counter() - start
+        if np.isnan(found).any():
+            failed = "failed: NaN"
+        return taken
 
     first = seconds()
-    return Timing(first, median(seconds() for _ in range(runs)) if runs > 1 else first)
+    again = [first] if failed or runs == 1 else [seconds() for _ in range(runs)]
+    return Timing(first, median(again), failed)
 
 
 def timings(case, say) -> Iterator[tuple[tuple[str, str, int], Timing]]:
@@ -202,6 +219,10 @@ def timings(case, say) -> Iterator[tuple[tuple[str, str, int], Timing]]:
             if contender not in OWN:
                 race.matrices  # noqa: B018
             timing = timed(getattr(race, contender), RUNS[count])
+            if timing.failed:
+                say(f"{case.name}: {CONTENDERS[contender]} {timing.failed}")
+                if contender in OWN:
+                    raise SystemExit(f"{CONTENDERS[contender]}, {count:,} designs of {case.name}: {timing.failed}")
             yield (case.name, contender, count), timing
             if contender != OURS and 10 * timing.median > LONGEST:
                 racing.remove(contender)
@@ -234,8 +255,9 @@ def main():
 
     ours = by_designs["full car", OURS, 1000].median
     for peer, least in LEAST_RATIO.items():
-        ratio = by_designs["full car", peer, 1000].median / ours
-        if ratio < least:
+        timing = by_designs["full car", peer, 1000]
+        ratio = timing.median / ours
+        if not timing.failed and ratio < least:
             raise SystemExit(
                 f"{CONTENDERS[peer]} takes {ratio:.2g} times as long as ours on 1000 full cars, not {least:g}"
             )

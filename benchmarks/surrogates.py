@@ -25,8 +25,8 @@ from sklearn.preprocessing import StandardScaler
 from smt.surrogate_models import KRG
 
 import susp_ss as ss
-from susp_ss.plots import learning_curves
-from susp_ss.study import DAMPING, STIFFNESS, designs, grid
+from susp_ss.presentation.plots import learning_curves
+from susp_ss.study.feasibility import DAMPING, STIFFNESS, designs, grid
 
 ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
 BOX = {"ks": STIFFNESS, "cs": DAMPING}

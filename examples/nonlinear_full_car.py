@@ -39,7 +39,7 @@ from scipy.stats import qmc
 
 from susp_ss import FullCar, Road
 from susp_ss.roads import synthesise
-from susp_ss.study import DAMPING, STIFFNESS
+from susp_ss.study.feasibility import DAMPING, STIFFNESS
 
 Array = NDArray[np.float64]
 
@@ -99,13 +99,13 @@ def ride(car: FullCar, z: Array, step: float, laws: Laws) -> History:
     A, B, Y, D, _ = model.displacement_form()
     wheels, samples = z.shape
     states, load = len(A), laws.static_load(car)
-    links = np.concatenate([model.strut, model.tread])
+    links = np.concatenate([model.suspensions, model.tyres])
 
     # What the laws act on, as shares of the states and of the road: travel, its rate, and how far the tyre is squeezed.
     of_states, of_road = np.zeros((3, wheels, states)), np.zeros((3, *z.shape))
-    of_states[0, :, : states // 2] = of_states[1, :, states // 2 :] = model.R[model.strut]
-    of_states[2, :, : states // 2] = model.R[model.tread]
-    of_road[2] = model.N[model.tread] @ z
+    of_states[0, :, : states // 2] = of_states[1, :, states // 2 :] = model.R[model.suspensions]
+    of_states[2, :, : states // 2] = model.R[model.tyres]
+    of_road[2] = model.N[model.tyres] @ z
 
     def differing(x: Array, n: int) -> Array:
         """Forces (struts, then tyres) by which the laws differ from the linear car's."""
@@ -128,7 +128,8 @@ def ride(car: FullCar, z: Array, step: float, laws: Laws) -> History:
         f[n + 1] = differing(x[n + 1], n + 1)
 
     travel, _, squeeze = of_states @ x.T + of_road
-    above = [model.outputs.index(f"bacc_{wheel}") for wheel in model.corners]
+    outputs = model.layout.outputs.names
+    above = [outputs.index(f"bacc_{wheel}") for wheel in model.layout.corners]
     bacc = Y[above] @ x.T + D[above] @ z + model.acceleration[above] @ accelerations @ f.T
     dtl = laws.tyre(squeeze, car.kt, load[:, None])
     return History(bacc, travel, dtl, laws.stop(travel) != 0.0, dtl == -load[:, None])

@@ -22,12 +22,18 @@ CASES = [
 
 
 def assert_agree(metrics, reference, rtol, vehicle):
-    """Equal within rtol; what cancels by symmetry is zero to the rounding of a mean square."""
+    """Equal within rtol; what cancels by symmetry, or nearly does, to the same share of what cancels.
+
+    Roll is what left and right wheels do not share: with sides nearly alike, its digits are those of the body's
+    acceleration over them.
+    """
     for name, data in reference.items():
         values, expected = metrics[name].values, data.values
         np.testing.assert_array_equal(np.isinf(values), np.isinf(expected), err_msg=str(name))
-        finite = np.isfinite(expected)
-        np.testing.assert_allclose(values[finite], expected[finite], rtol=rtol, atol=1e-7, err_msg=f"{name} {vehicle}")
+        finite, atol = np.isfinite(expected), 1e-7
+        if name == "roll_acc":
+            atol += rtol * float(reference.bacc.max()) / float(vehicle.c)
+        np.testing.assert_allclose(values[finite], expected[finite], rtol=rtol, atol=atol, err_msg=f"{name} {vehicle}")
 
 
 def by_name(metrics):
@@ -136,7 +142,7 @@ def test_waviness_without_a_state_space_model_names_the_other_route():
 
 def test_coincident_rates_of_cutoff_and_coherence():
     # A cut-off at one of the fit's own rates makes its partial fractions coincide.
-    from susp_ss.responses.spectrum import COHERENCE_RATES
+    from susp_ss.roads.colours import COHERENCE_RATES
 
     car = ss.RollHalfCar()
     for rate in COHERENCE_RATES[1:3]:

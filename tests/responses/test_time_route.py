@@ -87,8 +87,8 @@ def test_sweeps_keep_their_shape():
         ({"step": 0.0}, ValueError, "step must be > 0 s"),
         ({"step": "fast"}, TypeError, "step must be a number"),
         ({"duration": 0.1, "step": 0.01}, ValueError, "at least 100 steps"),
-        ({"seed": -1}, TypeError, "seed must be a whole number"),
-        ({"seed": 1.5}, TypeError, "seed must be a whole number"),
+        ({"seed": -1}, ValueError, "seed must be a whole number"),
+        ({"seed": 1.5}, ValueError, "seed must be a whole number"),
     ],
 )
 def test_bad_settings(settings, error, words):

@@ -9,9 +9,7 @@ import xarray as xr
 import susp_ss as ss
 
 VEHICLES = [ss.RigidTyreQuarterCar, ss.QuarterCar, ss.PitchHalfCar, ss.RollHalfCar, ss.FullCar]
-FIELDS = [
-    (vehicle, field.name, field.metadata["zero"]) for vehicle in VEHICLES for field in dataclasses.fields(vehicle)
-]
+FIELDS = [(vehicle, name, quantity.zero) for vehicle in VEHICLES for name, quantity in vehicle.quantities().items()]
 
 
 @pytest.mark.parametrize(("vehicle", "name", "zero"), FIELDS)

@@ -29,7 +29,7 @@ from ..surrogates import (
     VariableBased,
     accuracy,
 )
-from ..surrogates.folds import unfitted
+from ..surrogates.folds import one_blas_thread, unfitted
 from ..surrogates.learning import learning_curve_of_runs
 from ..surrogates.low_fidelity import evaluated
 from ..surrogates.regressor import Surrogate
@@ -206,7 +206,8 @@ def fit_runs(
             if choose in comparison.refused:
                 raise ValueError(f"{choose} cannot be fitted to {output}: {comparison.refused[choose]}")
             learned = learning_curve_of_runs(surrogates, X, y, repeats=3, progress=progress) if learning else None
-            models = {name: unfitted(surrogates[name]).fit(X, y) for name in comparison.table.index}
+            with one_blas_thread():
+                models = {name: unfitted(surrogates[name]).fit(X, y) for name in comparison.table.index}
         f, at = cheap[output], kept.responses[output].to_numpy()
         typed = ((name, formula(model, getattr(model, "low_fidelity", None))) for name, model in models.items())
         found[output] = OutputFit(

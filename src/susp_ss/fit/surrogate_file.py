@@ -135,7 +135,7 @@ class SuspensionSurrogate:
             "inputs": self.inputs,
             "low_fidelity": {
                 "vehicle": vehicle_table(cheap.vehicle),
-                "road": dataclasses.asdict(cheap.road),
+                "road": _road_table(cheap.road),
                 "place": cheap.place,
                 "parameter": cheap.parameter,
             },
@@ -154,6 +154,12 @@ class SuspensionSurrogate:
                 f"designs must have the columns {', '.join(self.inputs)}, got {', '.join(map(str, table.columns))}"
             )
         return table[list(self.inputs)]
+
+
+def _road_table(road: Road) -> dict[str, Any]:
+    if type(road) is not Road:
+        raise ValueError(f"a surrogate file holds a Road, got a {type(road).__name__}")
+    return dataclasses.asdict(road)
 
 
 def load_surrogate(path: str | PathLike[str]) -> SuspensionSurrogate:

@@ -175,7 +175,7 @@ class Response:
                 self._road({name: float(end)})
         power = 1.0 if self.criterion == "damper_power" else 0.5
         scale = np.ones(n)
-        alone = len(self.vehicle.wheels) == 1 and not np.any(roads["cutoff"])
+        alone = len(self.vehicle.wheels) == 1 and self.road.scale_free and not np.any(roads["cutoff"])
         for name, exponent in (("roughness", 1.0), *((("speed", self.road.waviness - 1.0),) if alone else ())):
             scale = scale * (roads[name] / getattr(self.road, name)) ** (exponent * power)
             roads[name] = np.broadcast_to(getattr(self.road, name), n)

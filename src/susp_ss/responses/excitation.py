@@ -74,18 +74,27 @@ def delay(vehicle: Vehicle, road: Road) -> Any:
     return vehicle.wheelbase / road.speed
 
 
-def refuse_unbounded(vehicle: Vehicle, road: Road, warp: NDArray | None) -> None:
-    """Say when the wheels' heights drift apart without bound in the one direction a rigid body cannot follow.
+def check_stationary(vehicle: Vehicle, road: Road, model: SecondOrder) -> None:
+    """Say when a vehicle on a road has no stationary response.
 
     Raises
     ------
     ValueError
-        The warp of the road under the wheels has no finite variance.
+        A mode of some design is never damped, the vehicle feels the height of the road, or the wheels' heights drift
+        apart in the one direction that a rigid body cannot follow.
     """
-    if warp is None or road.cutoff > 0.0:
+    kind = type(vehicle).__name__
+    if np.any(model.unstable()):
+        raise ValueError(f"{kind} has a mode that no damper reaches; pass cs > 0 at every corner")
+    if not model.rides_along:
+        raise ValueError(
+            f"{kind} has a stiffness that feels the height of the road, which has no finite variance; add its share "
+            "of K_in as well, dK_in = dK G"
+        )
+    if model.warp is None or road.cutoff > 0.0:
         return
     for process in processes(vehicle, road):
-        at_once, later = warp @ process.now, warp @ process.later
+        at_once, later = model.warp @ process.now, model.warp @ process.later
         # Delayed independent tracks leave a difference whose spectrum still diverges from waviness 3 on.
         diverges = road.waviness >= 3.0 and process.sign == 0 and at_once != 0.0
         if at_once + later != 0.0 or diverges:
@@ -93,18 +102,6 @@ def refuse_unbounded(vehicle: Vehicle, road: Road, warp: NDArray | None) -> None
                 f"the warp of the road under the four wheels has no finite variance ({road.describe()}), so that "
                 "SWS and DTL have none either; pass cutoff > 0, or let all wheels see a road of waviness 2"
             )
-
-
-def refuse_undamped(vehicle: Vehicle, model: SecondOrder) -> None:
-    """Say when a mode of some design is never damped, so that no stationary response exists.
-
-    Raises
-    ------
-    ValueError
-        The model is not asymptotically stable.
-    """
-    if np.any(model.unstable()):
-        raise ValueError(f"{type(vehicle).__name__} has a mode that no damper reaches; pass cs > 0 at every corner")
 
 
 def infinite_outputs(model: SecondOrder, excited: list[Process], road: Road) -> NDArray[np.bool_]:

@@ -16,7 +16,7 @@ from ..roads.profiles import synthesise
 from ..roads.road import Road
 from ..vehicles.second_order import SecondOrder
 from ..vehicles.vehicle import Vehicle
-from .excitation import check_kinds, delay, infinite_outputs, processes, refuse_unbounded, refuse_undamped
+from .excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
 from .labels import labelled_outputs
 
 Array = NDArray[np.float64]
@@ -116,8 +116,7 @@ def time_variances(vehicle: Vehicle, road: Road, duration: float, step: float, s
 
 def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, seed: int) -> tuple[Array, Array]:
     model = vehicle.assemble()
-    refuse_undamped(vehicle, model)
-    refuse_unbounded(vehicle, road, model.warp)
+    check_stationary(vehicle, road, model)
     excited = processes(vehicle, road)
     tau = float(delay(vehicle, road)) if any(process.later.any() for process in excited) else 0.0
     eigenvalues = np.linalg.eigvals(model.A)

@@ -8,7 +8,7 @@ from scipy.integrate import cubature
 
 from ..roads.road import Road
 from ..vehicles.vehicle import Vehicle
-from .excitation import infinite_outputs, processes, refuse_unbounded, refuse_undamped
+from .excitation import check_stationary, infinite_outputs, processes
 from .frequency import output_density
 
 # The integral runs over log frequency, where algebraic ends become exponential. Slowly decaying spectra (waviness close
@@ -36,8 +36,7 @@ def spectral_variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
 
 def _variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
     model = vehicle.assemble()
-    refuse_undamped(vehicle, model)
-    refuse_unbounded(vehicle, road, model.warp)
+    check_stationary(vehicle, road, model)
     infinite = infinite_outputs(model, processes(vehicle, road), road).reshape(-1)
     span = np.geomspace(1e-3, 1e3, 1000)
     density = np.sum(np.abs(model.transfer(2.0 * np.pi * span)) ** 2, axis=-1) * road.intensity

@@ -43,9 +43,15 @@ def colours(road: Road, share: float, sign: int, track_width: NDArray[Any], cuto
     Raises
     ------
     ValueError
-        The road has no spectrum of first-order terms.
+        The road has no spectrum of first-order terms, or none that is white at high frequency: what passes the road's
+        velocity on is taken for infinite.
     """
     white, rates, weights = road.first_order()
+    if not white > 0.0:
+        raise ValueError(
+            f"the covariance route needs a road whose velocity has a white part, got {white:g} m^2/s; take "
+            'ride_metrics(..., method="spectral")'
+        )
     N = len(track_width)
     total = Colours(
         white + weights.sum(),

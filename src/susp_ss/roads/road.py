@@ -126,6 +126,11 @@ class Road:
         """
         return 2.0 * np.pi**2 * REFERENCE_WAVENUMBER**2 * self.roughness * self.speed
 
+    @property
+    def scale_free(self) -> bool:
+        """Whether the spectrum is a power of the wavenumber, so that speed only scales it in time."""
+        return not self.cutoff and type(self).psd is Road.psd
+
     def first_order(self) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
         """The velocity of one track, but for the cut-off, as a white part and first-order terms.
 

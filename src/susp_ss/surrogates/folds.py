@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from numbers import Integral
+from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,9 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import clone
 from sklearn.utils.validation import check_X_y
+from threadpoolctl import threadpool_limits
 
+from ..quantities import whole_number
 from .regressor import Array
 
 # Up to this many runs each is left out alone; beyond, a tenth of them at a time.
@@ -60,9 +62,17 @@ def split(X: Any, folds: Any, random_state: int | None) -> list[Fold]:
     different = int(design.max()) + 1
     if folds is None:
         folds = different if len(design) <= ALONE else min(FOLDS, different)
-    if isinstance(folds, bool) or not isinstance(folds, Integral) or not 2 <= int(folds) <= different:
-        raise ValueError(f"folds must be a whole number from 2 to the {different} different designs, got {folds!r}")
-    return list(GroupKFold(int(folds), shuffle=True, random_state=random_state).split(design, groups=design))
+    parts = whole_number("folds", folds, 2, different, f"from 2 to the {different} different designs")
+    return list(GroupKFold(parts, shuffle=True, random_state=random_state).split(design, groups=design))
+
+
+def one_blas_thread() -> AbstractContextManager[Any]:
+    """Keep linear algebra to one thread while many small problems are solved, one after another.
+
+    More threads gain nothing on matrices of this size, and where something else runs they wait for one another: fits
+    that take seconds then take minutes. The limit holds for the whole process meanwhile.
+    """
+    return threadpool_limits(limits=1, user_api="blas")
 
 
 def check_mapping(surrogates: Any) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.stats import qmc
 from sklearn.utils import check_random_state, gen_batches
 
+from ..quantities import whole_number
 from .low_fidelity import check_callable, evaluated
 from .regressor import Approximation, Array
 
@@ -258,11 +258,10 @@ class CoKriging(_GaussianProcess):
         """Fit both processes to the responses y (n,) at the designs X (n, k)."""
         designs, _ = self._distinct(X, y)
         check_callable(self.low_fidelity)
-        if isinstance(self.samples, bool) or not isinstance(self.samples, Integral) or self.samples < 1:
-            raise ValueError(f"samples must be a whole number >= 1, got {self.samples!r}")
+        samples = whole_number("samples", self.samples, 1)
         self._check_trend(len(designs), coefficients=1)
         self.box_ = self._box(designs)
-        hypercube = qmc.LatinHypercube(self.n_features_in_, rng=self._seed()).random(self.samples)
+        hypercube = qmc.LatinHypercube(self.n_features_in_, rng=self._seed()).random(samples)
         cheap = np.concatenate([designs, self.lowest_ + hypercube * (self.highest_ - self.lowest_)])
         self.cheap_runs_ = cheap, evaluated(self.low_fidelity, cheap)
         self._process()

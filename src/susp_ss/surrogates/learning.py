@@ -6,15 +6,15 @@ import itertools
 import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from numbers import Integral
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from ..quantities import whole_number
 from .accuracy import accuracy
-from .folds import check_mapping, checked_runs, rows, same_design, shown, unfitted
+from .folds import check_mapping, checked_runs, one_blas_thread, rows, same_design, shown, unfitted
 from .kriging import CoKriging, Kriging
 from .low_fidelity import evaluated
 from .regressor import Array, ExtrapolationWarning
@@ -95,13 +95,13 @@ def learning_curve(
     inputs = getattr(expensive, "inputs", None)
     if inputs is not None and list(inputs) != list(box):
         raise ValueError(f"box must have the inputs of expensive in their order, {', '.join(inputs)}, got {list(box)}")
-    seed = _whole("random_state", random_state, 0)
+    seed = whole_number("random_state", random_state, 0)
 
     def run(count: int, method: str, *stream: int) -> Runs:
         X = sample(box, count, method, [seed, *stream])
         return X, evaluated(expensive, X.to_numpy(), name="expensive")
 
-    at = run(_whole("test", test, 2), "sobol", 0)
+    at = run(whole_number("test", test, 2), "sobol", 0)
     return _curve(surrogates, budgets, repeats, lambda n, i: (run(n, sampling, 1, i), at), limits, progress)
 
 
@@ -153,7 +153,7 @@ def learning_curve_of_runs(
     ([5, 5, 10, 10, 16, 16], True)
     """
     X, y = checked_runs(X, y)
-    design, n, seed = same_design(X), len(y), _whole("random_state", random_state, 0)
+    design, n, seed = same_design(X), len(y), whole_number("random_state", random_state, 0)
     if budgets is None:
         most = max(1, min(int(FITTED * n), n - 2))
         budgets = [*(runs for runs in BUDGETS if runs < most), most]
@@ -179,15 +179,16 @@ def _curve(
     """The table, where ``draw(runs, repeat)`` gives the runs to fit and those to test at."""
     check_mapping(surrogates)
     most = _most(surrogates, limits)
-    counts = [_whole("budgets", runs, 1) for runs in budgets]
-    cases = itertools.product(counts, range(_whole("repeats", repeats, 1)))
+    counts = [whole_number("budgets", runs, 1) for runs in budgets]
+    cases = itertools.product(counts, range(whole_number("repeats", repeats, 1)))
     table = []
     for runs, repeat in shown(cases, "learning", progress):
         fitted, test = draw(runs, repeat)
-        for name, surrogate in surrogates.items():
-            tried = runs <= most.get(name, runs)
-            result = _tried(surrogate, fitted, test) if tried else {"refused": f"not tried above {most[name]} runs"}
-            table.append({"surrogate": name, "runs": runs, "repeat": repeat, "refused": None} | result)
+        with one_blas_thread():
+            for name, surrogate in surrogates.items():
+                tried = runs <= most.get(name, runs)
+                result = _tried(surrogate, fitted, test) if tried else {"refused": f"not tried above {most[name]} runs"}
+                table.append({"surrogate": name, "runs": runs, "repeat": repeat, "refused": None} | result)
     return pd.DataFrame(table, columns=COLUMNS)
 
 
@@ -212,10 +213,4 @@ def _most(surrogates: Mapping[str, Any], limits: Mapping[str, int] | None) -> di
     for name in limits:
         if name not in surrogates:
             raise ValueError(f"limits has no surrogate named {name!r}, available: {', '.join(surrogates)}")
-    return {name: _whole("limits", most, 1) for name, most in limits.items()}
-
-
-def _whole(name: str, value: Any, least: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
-        raise ValueError(f"{name} must be a whole number >= {least}, got {value!r}")
-    return int(value)
+    return {name: whole_number("limits", most, 1) for name, most in limits.items()}

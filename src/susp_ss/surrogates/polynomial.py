@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from sklearn.pipeline import Pipeline, make_pipeline
 from sklearn.preprocessing import PolynomialFeatures
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from ..quantities import whole_number
 from .low_fidelity import evaluated
 from .regressor import DEPENDENT, Approximation, Array
 
@@ -173,9 +173,8 @@ class Polynomial(Approximation):
 
     def _monomials(self, designs: Array) -> Pipeline:
         """Products of powers of the columns, scaled to [-1, 1] over the box of the designs."""
-        if isinstance(self.degree, bool) or not isinstance(self.degree, Integral) or self.degree < 1:
-            raise ValueError(f"degree must be a whole number >= 1, got {self.degree!r}")
-        return make_pipeline(self._box(designs), PolynomialFeatures(self.degree)).fit(designs)
+        degree = whole_number("degree", self.degree, 1)
+        return make_pipeline(self._box(designs), PolynomialFeatures(degree)).fit(designs)
 
     def _expanded(self, monomials: Pipeline, coefficients: Array) -> Polynomial:
         """Multiply ``b prod (s_i x_i + m_i)^p_i`` out into powers of x."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from numbers import Integral, Real
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from scipy.spatial.distance import cdist
 from scipy.special import xlogy
 from sklearn.preprocessing import PolynomialFeatures
 
+from ..quantities import whole_number
 from .regressor import DEPENDENT, Approximation, Array
 
 # phi(r) with scipy's signs, after the study's Eqs 10 to 21, where r^2 ln r is 0 at r = 0, and Eq 15 has a misprint for
@@ -142,11 +143,7 @@ class RadialBasis(Approximation):
         least = LEAST_DEGREE[self.kernel]
         if self.degree is None:
             return max(least, 0)
-        if isinstance(self.degree, bool) or not isinstance(self.degree, Integral) or self.degree < least:
-            raise ValueError(
-                f"degree must be a whole number >= {least} for kernel {self.kernel!r}, got {self.degree!r}"
-            )
-        return int(self.degree)
+        return whole_number("degree", self.degree, least, need=f">= {least} for kernel {self.kernel!r}")
 
     def _shape(self) -> float | None:
         """The shape asked for; None where leave-one-out is to choose."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from numbers import Integral
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.stats import qmc
+
+from ..quantities import whole_number
 
 METHODS = ("latin_hypercube", "sobol")
 
@@ -49,15 +50,14 @@ def sample(
     ((12, 2), True)
     """
     lows, highs = _sides(box)
-    if isinstance(runs, bool) or not isinstance(runs, Integral) or runs < 1:
-        raise ValueError(f"runs must be a whole number >= 1, got {runs!r}")
+    runs = whole_number("runs", runs, 1)
     if method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
     rng = np.random.default_rng(random_state)
     if method == "sobol":
         unit = qmc.Sobol(len(box), rng=rng).random_base2(math.ceil(math.log2(runs)))[:runs]
     else:
-        unit = qmc.LatinHypercube(len(box), rng=rng).random(int(runs))
+        unit = qmc.LatinHypercube(len(box), rng=rng).random(runs)
     return pd.DataFrame(qmc.scale(unit, lows, highs), columns=list(box))
 
 

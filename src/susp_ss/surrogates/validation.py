@@ -22,7 +22,17 @@ from scipy import stats
 
 from . import bootstrap
 from .accuracy import Accuracy, accuracy
-from .folds import Fold, check_mapping, checked_runs, rows, shown, split, unfitted, uses_low_fidelity
+from .folds import (
+    Fold,
+    check_mapping,
+    checked_runs,
+    one_blas_thread,
+    rows,
+    shown,
+    split,
+    unfitted,
+    uses_low_fidelity,
+)
 from .kriging import Kriging
 from .polynomial import Polynomial
 from .radial_basis import RadialBasis
@@ -343,12 +353,14 @@ def compare(
 
 def _cross_validated(surrogate: Any, X: Any, y: Array, folds: Sequence[Fold], confidence: float) -> Validation:
     parts = []
-    for i, (fitted, left_out) in enumerate(folds, 1):
-        try:
-            model = unfitted(surrogate).fit(rows(X, fitted), y[fitted])
-        except ValueError as error:
-            raise ValueError(f"fold {i} of {len(folds)}, fitted to {len(fitted)} of {len(y)} runs: {error}") from error
-        parts.append(_predicted(model, rows(X, left_out)))
+    with one_blas_thread():
+        for i, (fitted, left_out) in enumerate(folds, 1):
+            try:
+                model = unfitted(surrogate).fit(rows(X, fitted), y[fitted])
+            except ValueError as error:
+                where = f"fold {i} of {len(folds)}, fitted to {len(fitted)} of {len(y)} runs"
+                raise ValueError(f"{where}: {error}") from error
+            parts.append(_predicted(model, rows(X, left_out)))
     order = np.argsort(np.concatenate([left_out for _, left_out in folds]))
 
     def joined(columns: Sequence[Any]) -> Any:

@@ -228,6 +228,7 @@ def _asked(
         "model": model_name(vehicle),
         **{f"parameter {name}": _text(entry(vehicle, name)) for name in fixed},
         **{f"road {name}": str(value) for name, value in dataclasses.asdict(road).items()},
+        **({} if type(road) is Road else {"road kind": type(road).__name__}),
         "method": method,
         "axes": ", ".join(axes),
         **{f"axis {name}": _digest(values) for name, values in grid.items()},

@@ -65,6 +65,11 @@ def model_named(name: str) -> type[Vehicle]:
 def model_name(vehicle: Vehicle) -> str:
     """Return the name of a vehicle's model.
 
+    Raises
+    ------
+    ValueError
+        No file can hold a vehicle of that kind.
+
     Examples
     --------
     >>> from susp_ss import RollHalfCar
@@ -72,7 +77,10 @@ def model_name(vehicle: Vehicle) -> str:
     >>> model_name(RollHalfCar())
     'roll-half'
     """
-    return next(name for name, car in models().items() if car is type(vehicle))
+    named = {car: name for name, car in models().items()}
+    if type(vehicle) not in named:
+        raise ValueError(f"a file holds one of {', '.join(MODELS)}, got a {type(vehicle).__name__}")
+    return named[type(vehicle)]
 
 
 def read_vehicle(path: str | PathLike[str]) -> Vehicle:

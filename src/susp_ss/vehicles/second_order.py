@@ -29,6 +29,9 @@ Array = NDArray[np.float64]
 # A sum no larger than this, relative to its terms, is zero but for rounding.
 ROUNDING = 1e-12
 
+# A static elongation no larger than this, relative to its terms, is what the solution of K leaves.
+CARRIED = 1e-7
+
 
 class Row(NamedTuple):
     """One row of the output table; what is not public serves other outputs."""
@@ -160,12 +163,30 @@ class SecondOrder:
         return np.where(beyond_rounding(total, terms), total, 0.0)
 
     @cached_property
+    def warped(self) -> Array:
+        """Static elongation of every link per metre of road warp, (designs..., links)."""
+        if self.warp is None:
+            return np.zeros(self.R.shape[:-1])
+        return (self.R @ self.G + self.N) @ (self.warp / (self.warp @ self.warp))
+
+    @cached_property
     def on_warp(self) -> Array:
         """Outputs per metre of static road warp, (designs..., outputs)."""
-        if self.warp is None:
-            return np.zeros(self.on_position.shape[:-1])
-        residual = (self.R @ self.G + self.N) @ (self.warp / (self.warp @ self.warp))
-        return (self.elongation @ residual[..., None])[..., 0]
+        return (self.elongation @ self.warped[..., None])[..., 0]
+
+    @cached_property
+    def rides_along(self) -> bool:
+        """Whether no link is stretched by road heights that stand still, but for their warp.
+
+        So it is where every spring joins what the road carries. A stiffness that was added to a copy keeps this only
+        with its share of ``K_in``: ``dK_in = dK G``.
+        """
+        if self.damped is not None:
+            return True
+        static = self.R @ self.G + self.N
+        rest = static - (0.0 if self.warp is None else self.warped[..., None] * self.warp)
+        terms = np.abs(self.R) @ np.abs(self.G) + np.abs(self.N)
+        return bool(np.all(np.abs(rest) <= CARRIED * terms))
 
     @cached_property
     def A(self) -> Array:
@@ -218,7 +239,7 @@ class SecondOrder:
 
         A real part of rounding is none.
         """
-        unstable = np.ones(self.K.shape[:-2], dtype=bool) if self.damped is None else ~self.damped
+        unstable = np.array(np.ones(self.K.shape[:-2], dtype=bool) if self.damped is None else ~self.damped)
         if unstable.any():
             eigenvalues = np.linalg.eigvals(self.A[unstable])
             scale = np.abs(eigenvalues).max(axis=-1)

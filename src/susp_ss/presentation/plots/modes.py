@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Polygon
 from numpy.typing import NDArray
 
-from ...quantities import signal
+from ...vehicles.second_order import coefficients
 from ...vehicles.vehicle import Vehicle
 from .style import COLUMN, LINES, STYLE, WIDTH, add_legend, panels
 
@@ -116,9 +116,8 @@ def mode_shape(vehicle: Vehicle, mode: int, phase: float = 0.0, ax: Axes | None 
 def _displacements(vehicle: Vehicle, shape: NDArray, phase: float) -> NDArray[np.float64]:
     """Vertical displacement of body points and wheels, (2, corners), the largest of the whole cycle being 1."""
     model = vehicle.assemble()
-    outputs = model.layout.outputs
-    at_mounts = [outputs.names.index(signal("bacc", corner)) for corner in model.layout.corners]
-    body = model.acceleration[at_mounts] @ shape
+    mounts = [corner.mount.terms for corner in vehicle.linkage().corners.values()]
+    body = coefficients(mounts, model.layout.coordinates) @ shape
     wheels = body + model.R[model.suspensions] @ shape
     both = np.stack([body, wheels])
     return (both * np.exp(1j * phase)).real / np.abs(both).max()

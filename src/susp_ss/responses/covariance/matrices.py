@@ -19,7 +19,7 @@ from ...roads.colours import colours
 from ...roads.road import Road
 from ...vehicles.second_order import SecondOrder
 from ...vehicles.vehicle import Vehicle
-from ..excitation import check_kinds, delay, infinite_outputs, processes, refuse_unbounded, refuse_undamped
+from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
 from .first_order import Correlations, Spectrum
 from .lyapunov import Dynamics
 
@@ -105,8 +105,7 @@ def moments(vehicle: Vehicle, flat: Vehicle, road: Road, chosen: NDArray[np.int_
     """Covariance of some designs of a flattened vehicle, each with an error below ``lost``."""
     designs = flat.select(chosen)
     model = designs.assemble()
-    refuse_undamped(vehicle, model)
-    refuse_unbounded(vehicle, road, model.warp)
+    check_stationary(vehicle, road, model)
     try:
         with np.errstate(all="ignore"):
             solved = _solved(designs, model, road, len(chosen))

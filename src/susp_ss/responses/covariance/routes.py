@@ -26,15 +26,15 @@ from numpy.typing import NDArray
 from ...roads.colours import colours
 from ...roads.road import Road
 from ...vehicles.vehicle import Vehicle
-from ..excitation import delay, infinite_outputs, processes, refuse_unbounded, refuse_undamped
+from ..excitation import check_stationary, delay, infinite_outputs, processes
 from . import polynomials
 from .matrices import BATCH, batches, lost_digits, moments
 from .symmetric import symmetric_variances
 
 Array = NDArray[np.float64]
 
-# Relative error of a variance beyond which it is refused, and the error of a sound solution: a variance no larger than
-# that, relative to its terms, is zero by symmetry.
+# Relative error of a variance beyond which it is refused, and the error of a sound solution. Of a sound one, a variance
+# no larger than its rounding is zero by symmetry; one that near symmetry leaves small keeps the digits of its terms.
 LOST, SOUND = 1e-6, 1e-12
 
 # Designs of one block: its polynomials then stay near the processor. Compiled code keeps them there by itself.
@@ -93,9 +93,9 @@ def _blocks(size: int, length: int) -> list[slice]:
 
 def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
     """Variances (N, outputs) with zeros and infinities in place, and which designs (N,) lost digits of some."""
-    noise = error[:, None] * terms
-    zero = (variance <= 10.0 * np.maximum(noise, np.finfo(float).eps * terms)) & (error < SOUND)[:, None]
-    lost = np.any(~zero & ~infinite & ~(noise <= LOST * variance), axis=-1)
+    noise, sound = error[:, None] * terms, error < SOUND
+    zero = (variance <= 10.0 * np.maximum(noise, np.finfo(float).eps * terms)) & sound[:, None]
+    lost = np.any(~infinite & ~(noise <= LOST * variance), axis=-1) & ~sound
     return np.where(infinite, np.inf, np.where(zero, 0.0, variance)), lost
 
 
@@ -116,8 +116,7 @@ def _compiled(
             return np.array(np.broadcast_to(x, (N, *shape)), dtype=float, order="C")
 
         model = some.assemble()
-        refuse_undamped(vehicle, model)
-        refuse_unbounded(vehicle, road, model.warp)
+        check_stationary(vehicle, road, model)
         Y = np.concatenate([model.on_position, model.on_velocity, model.on_warp[..., None]], axis=-1)
         matrices = {"K": model.K, "C": model.C, "K_in": model.K_in, "C_in": model.C_in, "Y": Y}
         spectra = [colours(road, process.share, process.sign, each(some.track_width)) for process in excited]

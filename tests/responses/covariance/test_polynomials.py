@@ -12,16 +12,16 @@ import models
 import oracles
 import susp_ss as ss
 from models import ROADS, VEHICLES, WHEEL_ROADS
-from susp_ss.responses import base_process, symmetric, variances
+from susp_ss.responses.covariance import polynomials, routes, symmetric
 
-ENGINE = "susp_ss.responses.variances"
+ENGINE = "susp_ss.responses.covariance.routes"
 
 
 def by_matrices(vehicle, road):
     """The same variances where no vehicle is split."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(symmetric, "problems", lambda *_: [])
-        return variances.covariance_variances(vehicle, road)
+        return routes.covariance_variances(vehicle, road)
 
 
 def mirrored(vehicle):
@@ -39,12 +39,12 @@ def mirrored(vehicle):
 @settings(max_examples=150)
 def test_polynomials_and_matrices_agree(vehicle, road):
     vehicle = mirrored(vehicle)
-    assert vehicle.sections()
+    assert vehicle.halves()
     try:
         expected = by_matrices(vehicle, road)
     except ValueError:
         assume(False)
-    values = variances.covariance_variances(vehicle, road)
+    values = routes.covariance_variances(vehicle, road)
     np.testing.assert_allclose(values, expected, rtol=1e-9, atol=0.0)
 
 
@@ -53,7 +53,7 @@ def test_polynomials_and_matrices_agree(vehicle, road):
 def test_long_delays(speed, tracks):
     for name in ("pitch half", "full, bars"):
         road = ss.Road(tracks=tracks, speed=speed)
-        values = variances.covariance_variances(VEHICLES[name], road)
+        values = routes.covariance_variances(VEHICLES[name], road)
         np.testing.assert_allclose(values, by_matrices(VEHICLES[name], road), rtol=1e-9)
 
 
@@ -111,11 +111,11 @@ def test_compiled_code_gives_the_same(monkeypatch):
 
         return dataclasses.replace(vehicle, cs=times(vehicle.cs))
 
-    plain = [variances.covariance_variances(swept(vehicle), road) for vehicle, road in cases]
+    plain = [routes.covariance_variances(swept(vehicle), road) for vehicle, road in cases]
     monkeypatch.setattr(f"{ENGINE}.PLENTY", 1)
     monkeypatch.setattr(f"{ENGINE}.MANY", 1)
     for (vehicle, road), expected in zip(cases, plain, strict=True):
-        values = variances.covariance_variances(swept(vehicle), road)
+        values = routes.covariance_variances(swept(vehicle), road)
         np.testing.assert_allclose(values, expected, rtol=1e-9)
 
     uneven = ss.Corners(fr=17e3, fl=18e3, rr=np.r_[np.full(700, 19e3), 1e17], rl=18e3)
@@ -149,7 +149,7 @@ def test_routh_solves_the_lyapunov_equation_of_the_companion(modes, real, densit
     D = polynomial(modes, real)
     A, b = companion(D)
     X = oracles.variance_lyapunov_mpmath(A, density * np.outer(b, b), digits=40)
-    even = base_process.routh(D[:, None], np.array([density]))[:, 0]
+    even = polynomials.routh(D[:, None], np.array([density]))[:, 0]
     # E[xi^(k) xi^(k)] = (-1)^k r^(2k)(0).
     expected = [float(X[k, k]) for k in range(len(A))]
     np.testing.assert_allclose(even * (-1.0) ** np.arange(len(A)), expected, rtol=1e-9)
@@ -160,6 +160,6 @@ def test_the_delay_operator_is_the_exponential_modulo_the_polynomial(modes, tau)
     D = polynomial(modes, None)
     A, _ = companion(D)
     squarings = max(0, int(np.ceil(np.log2(2.0 * max(f * (1 + d) for d, f in modes) * tau))))
-    p = base_process.delay_operator(D[:, None], np.array([tau]), squarings)[:, 0]
+    p = polynomials.delay_operator(D[:, None], np.array([tau]), squarings)[:, 0]
     # By Cayley and Hamilton the same polynomial carries the companion's state; its first row reads the function.
     np.testing.assert_allclose(p, scipy.linalg.expm(A * tau)[0], rtol=1e-7, atol=1e-9 * np.abs(p).max())

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import susp_ss as ss
-from susp_ss import published, scan
-from susp_ss.scan import scan_scenarios
+from susp_ss.study import published, scan
+from susp_ss.study.scan import scan_scenarios
 
 
 @pytest.fixture(scope="module")
@@ -16,7 +16,7 @@ def small():
         patch.setattr(scan, "CUTOFFS", (0.0,))
         patch.setattr(scan, "SPECTRAL", ())
         patch.setattr(scan, "ROAD_CLASSES", ("B", "C"))
-        return scan_scenarios(nodes=(4, 4))
+        return scan_scenarios(nodes=(4, 4)).scenarios
 
 
 def one(table, **factors):
@@ -88,7 +88,7 @@ def test_ranked_and_complete(small):
 
 
 def test_nearest_by_factor(small):
-    summary = scan.nearest_by_factor(small).set_index(["factor", "level"])
+    summary = scan.Scan(small).nearest_by_factor().set_index(["factor", "level"])
     assert summary.loc[("fit", "free"), "distance"] == small[small.fit == "free"].distance.min()
     assert np.isnan(summary.loc[("excited", "front right"), "distance"])
     assert (summary.groupby("factor")["distance"].min() == small.distance.min()).all()
@@ -96,7 +96,7 @@ def test_nearest_by_factor(small):
 
 
 def test_report_says_what_was_refused(small):
-    text = scan.scan_report(small, count=3)
+    text = ss.report(scan.Scan(small))
     assert "Nothing is tuned" in text
     assert "front right" in text
     default = one(small)
@@ -110,7 +110,7 @@ def test_other_waviness_takes_the_spectral_route(monkeypatch):
     monkeypatch.setattr(scan, "SPECTRAL", ((20.0, 2.5, 0.0),))
     monkeypatch.setattr(scan, "SPECTRAL_NODES", (2, 2))
     monkeypatch.setattr(scan, "SPECTRAL_DEGREE", 8)
-    table = scan_scenarios()
+    table = scan_scenarios().scenarios
     assert (table.waviness == 2.5).all()
     assert table.distance.notna().all()
     assert (table.refused == "").all()

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 import susp_ss as ss
-from susp_ss.formulas import closed_form, formula
-from susp_ss.matched import LowFidelity
+from susp_ss.fit import LowFidelity
+from susp_ss.fit.formulas import closed_form, formula
 
 COLUMNS = ("ks_front", "ks_rear", "cs", "ms", "speed")
 LOW, HIGH = [15e3, 16e3, 1e3, 250.0, 10.0], [25e3, 26e3, 2e3, 400.0, 30.0]

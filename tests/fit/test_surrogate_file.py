@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import susp_ss as ss
-from susp_ss.matched import LowFidelity
-from susp_ss.surrogate_file import SuspensionSurrogate
+from susp_ss.fit import LowFidelity
+from susp_ss.fit.surrogate_file import SuspensionSurrogate
 
 COLUMNS = ["ks_front", "ks_rear", "cs", "speed"]
 CHEAP = LowFidelity(

@@ -11,9 +11,13 @@ import xarray as xr
 from scipy.optimize import nnls
 
 import susp_ss as ss
-from susp_ss import published, report
-from susp_ss.study import between, designs, grid
-from susp_ss.tabulated import Tabulated
+from susp_ss.presentation import save as saving
+from susp_ss.study import published
+from susp_ss.study.feasibility import between, designs, grid
+from susp_ss.study.tabulated import Tabulated
+
+DATA = (*saving.TABLES, saving.PAGE)
+STILL = next(iter(saving.STILLS.values()))
 
 SURROGATES, CRITERIA = ["RB", "VB", "PB"], ["bacc", "dtl", "sws"]
 ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
@@ -240,7 +244,7 @@ def test_agreement_is_read_off_the_numbers():
 
 
 def test_report_shows_ours_beside_published(study):
-    text = study.report()
+    text = ss.report(study)
     for table in ("Table 3. RB", "Table 4. VB", "Table 5. PB"):
         assert table in text
     line = next(line for line in text.splitlines() if line.startswith("a1"))
@@ -260,8 +264,8 @@ def names(folder):
 
 def test_save_writes_what_it_says(study, tmp_path):
     folder = tmp_path / "deep" / "results"
-    study.save(folder)
-    assert names(folder) == sorted([*report.DATA, *report.FIGURE_FILES])
+    ss.save(study, folder)
+    assert names(folder) == sorted([*DATA, *saving.STILLS.values()])
     assert [path.name for path in folder.parent.iterdir()] == ["results"]
     assert folder.stat().st_mode & 0o777 == (tmp_path / "deep").stat().st_mode & 0o777
 
@@ -285,27 +289,27 @@ def test_save_writes_what_it_says(study, tmp_path):
 
 def test_save_keeps_results_unless_forced(study, tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
-    study.save(tmp_path, figures=False)
+    ss.save(study, tmp_path, figures=False)
     (tmp_path / "figures").mkdir()
-    (tmp_path / report.FIGURE_FILES[0]).write_text("old")
+    (tmp_path / STILL).write_text("old")
     (tmp_path / "tables.csv").write_text("old")
     with pytest.raises(FileExistsError, match=r"holds results already.*force=True"):
-        study.save(tmp_path, figures=False)
+        ss.save(study, tmp_path, figures=False)
     assert (tmp_path / "tables.csv").read_text() == "old"
-    study.save(tmp_path, force=True, figures=False)
+    ss.save(study, tmp_path, force=True, figures=False)
     assert (tmp_path / "tables.csv").read_text() != "old"
     # Neither figures of another run nor scratch files stay; what is not ours does.
-    assert names(tmp_path) == sorted([*report.DATA, "notes.txt"])
+    assert names(tmp_path) == sorted([*DATA, "notes.txt"])
 
 
 def test_save_into_a_file_is_refused(study, tmp_path):
     (tmp_path / "results").write_text("mine")
     with pytest.raises(NotADirectoryError, match="is a file"):
-        study.save(tmp_path / "results")
+        ss.save(study, tmp_path / "results")
     with pytest.raises(OSError, match="cannot write results to"):
-        study.save(tmp_path / "results" / "below")
+        ss.save(study, tmp_path / "results" / "below")
     with pytest.raises(TypeError, match="folder must be a path, got None"):
-        study.save(None)
+        ss.save(study, None)
     assert names(tmp_path) == ["results"]
 
 
@@ -313,7 +317,7 @@ def test_save_into_a_file_is_refused(study, tmp_path):
 def test_a_failure_leaves_nothing_half_written(study, tmp_path, monkeypatch, existing):
     folder = tmp_path / "results"
     if existing:
-        study.save(folder, figures=False)
+        ss.save(study, folder, figures=False)
     before = {name: (folder / name).read_bytes() for name in names(folder)}
 
     def full(*arguments, **keywords):
@@ -321,7 +325,7 @@ def test_a_failure_leaves_nothing_half_written(study, tmp_path, monkeypatch, exi
 
     monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
     with pytest.raises(OSError, match=r"cannot write results to .*No space left"):
-        study.save(folder, force=True, figures=False)
+        ss.save(study, folder, force=True, figures=False)
     assert {name: (folder / name).read_bytes() for name in names(folder)} == before
     assert folder.exists() == existing
     assert not list(tmp_path.rglob(".susp_ss-*"))

@@ -14,9 +14,9 @@ import pytest
 
 import susp_ss as ss
 from susp_ss.cli import main
-from susp_ss.cli.options import vehicle_from_options
-from susp_ss.scan import scan_report, scan_scenarios
-from susp_ss.vehicles.files import MODELS
+from susp_ss.cli.options import vehicle_options
+from susp_ss.study.scan import scan_scenarios
+from susp_ss.vehicles.files import models
 
 ROAD = ss.Road.iso8608("B", speed=20.0)
 
@@ -91,10 +91,10 @@ def test_metrics_equal_the_library(line, vehicle, road, options, answer):
     assert own == dataclasses.asdict(vehicle)
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", models())
 def test_metrics_table(model, answer):
     table = answer("metrics", "--model", model)
-    for name, data in ss.ride_metrics(MODELS[model](), ROAD).items():
+    for name, data in ss.ride_metrics(models()[model](), ROAD).items():
         (row,) = (line for line in table.splitlines() if line.startswith(f"│ {name} "))
         cells = [cell.strip() for cell in row.strip("│").split("│")]
         assert cells[1] == data.attrs["units"]
@@ -103,11 +103,11 @@ def test_metrics_table(model, answer):
 
 
 def test_every_parameter_has_an_option():
-    fields = {field.name for car in MODELS.values() for field in dataclasses.fields(car)}
-    assert set(inspect.signature(vehicle_from_options).parameters) == fields | {"model", "vehicle"}
+    fields = {field.name for car in models().values() for field in dataclasses.fields(car)}
+    assert set(inspect.signature(vehicle_options()).parameters) == fields | {"model", "vehicle"}
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", models())
 def test_template_round_trips(model, answer, here):
     template = answer("metrics", "--model", model, "--cs", "1700", "--template")
     (here / "car.toml").write_text(template)
@@ -226,13 +226,14 @@ def test_study_keeps_results_unless_forced(run, answer, here):
 def few_scenarios(monkeypatch):
     """A scan of two roads."""
     for name, value in {"EXCITED": {"all wheels": None}, "TRACKS": ("isotropic",), "SPEEDS": (20.0,)}.items():
-        monkeypatch.setattr(f"susp_ss.scan.{name}", value)
-    monkeypatch.setattr("susp_ss.scan.CUTOFFS", (0.0,))
-    monkeypatch.setattr("susp_ss.scan.SPECTRAL", ())
+        monkeypatch.setattr(f"susp_ss.study.scan.{name}", value)
+    monkeypatch.setattr("susp_ss.study.scan.CUTOFFS", (0.0,))
+    monkeypatch.setattr("susp_ss.study.scan.SPECTRAL", ())
 
 
 def test_scan_equals_the_library(answer, few_scenarios, here):
-    expected = scan_scenarios((4, 4))
+    scan = scan_scenarios((4, 4))
+    expected = scan.scenarios
     printed = json.loads(
         answer("study", "--scan", "--nodes", "4", "--json", "--out", "out"), parse_constant=pytest.fail
     )
@@ -242,7 +243,7 @@ def test_scan_equals_the_library(answer, few_scenarios, here):
         assert len(rows) == len(expected) > 10
         np.testing.assert_allclose(rows["distance"], expected["distance"], rtol=1e-9)
         assert rows["place"].tolist() == expected["place"].tolist()
-    assert answer("study", "--scan", "--nodes", "4") == scan_report(expected)
+    assert answer("study", "--scan", "--nodes", "4") == ss.report(scan)
 
 
 # What is typed, and what the one line must name.

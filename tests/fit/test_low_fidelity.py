@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import susp_ss as ss
-from susp_ss.matched import Matched, metric_and_place
+from susp_ss.fit.low_fidelity import LowFidelityResponse
+from susp_ss.quantities import metric_and_place
 
 ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
 CORNERS = ("fr", "fl", "rr", "rl")
@@ -23,13 +24,13 @@ CORNERS = ("fr", "fl", "rr", "rl")
     ],
 )
 def test_a_quarter_car_takes_its_corner_or_the_mean(place, taken):
-    cheap = Matched(ss.QuarterCar(), ROAD, "bacc", place, (*(f"ks_{corner}" for corner in CORNERS), "cs"))
+    cheap = LowFidelityResponse(ss.QuarterCar(), ROAD, "bacc", place, (*(f"ks_{corner}" for corner in CORNERS), "cs"))
     expected = ss.Response(ss.QuarterCar(), ROAD, "bacc")([taken])
     np.testing.assert_allclose(cheap([[18e3, 20e3, 22e3, 22e3, 1400.0]]), expected, rtol=1e-14)
 
 
 def test_a_corner_that_no_column_sets_keeps_its_own():
-    cheap = Matched(ss.QuarterCar(ks=10e3), ROAD, "sws", "cg", ("ks_front", "cs"))
+    cheap = LowFidelityResponse(ss.QuarterCar(ks=10e3), ROAD, "sws", "cg", ("ks_front", "cs"))
     np.testing.assert_allclose(cheap([[20e3, 1400.0]]), ss.Response(ss.QuarterCar(), ROAD, "sws")([[15e3, 1400.0]]))
 
 
@@ -42,12 +43,12 @@ def test_half_and_full_cars_take_the_same_columns_to_their_wheels(metric):
         expected = ss.ride_metrics(car, ROAD)[metric]
         if metric != "pitch_acc":
             expected = expected.sel({expected.dims[0]: at})
-        got = Matched(type(car)(), ROAD, metric, "rl", columns)(X)
+        got = LowFidelityResponse(type(car)(), ROAD, metric, "rl", columns)(X)
         np.testing.assert_allclose(got, [expected.item()], rtol=1e-12)
 
 
 def test_a_roll_half_car_is_the_axle_of_the_place():
-    cheap = Matched(ss.RollHalfCar(), ROAD, "bacc", "rl", ("ks_rr", "ks_rl", "ks_front"))
+    cheap = LowFidelityResponse(ss.RollHalfCar(), ROAD, "bacc", "rl", ("ks_rr", "ks_rl", "ks_front"))
     assert cheap.unknown == ("ks_front",)
     expected = ss.ride_metrics(ss.RollHalfCar(ks=(18e3, 22e3)), ROAD).bacc.sel(point="l").item()
     np.testing.assert_allclose(cheap([[18e3, 22e3, 1.0]]), [expected], rtol=1e-12)
@@ -91,7 +92,7 @@ def test_a_parameter_of_the_road_and_one_at_a_corner():
 )
 def test_columns_that_cannot_be_matched(columns, said):
     with pytest.raises(ValueError, match=said):
-        Matched(ss.QuarterCar(), ROAD, "bacc", "fr", columns)
+        LowFidelityResponse(ss.QuarterCar(), ROAD, "bacc", "fr", columns)
 
 
 def test_bad_settings_of_a_response():
@@ -100,7 +101,7 @@ def test_bad_settings_of_a_response():
     with pytest.raises(ValueError, match=r"Road\(speed=...\) must be > 0 m/s, got -1.0"):
         ss.Response(ss.QuarterCar(), ROAD, inputs=("speed",))([[20.0], [-1.0]])
     with pytest.raises(ValueError, match="shape"):
-        Matched(ss.QuarterCar(), ROAD, "bacc", None, ("ks",))([[1.0, 2.0]])
+        LowFidelityResponse(ss.QuarterCar(), ROAD, "bacc", None, ("ks",))([[1.0, 2.0]])
 
 
 def test_outputs_name_metric_and_place():

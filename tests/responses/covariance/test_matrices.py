@@ -65,7 +65,7 @@ def test_waviness_is_refused():
 
 @pytest.mark.parametrize("tracks", ["identical", "independent", "isotropic"])
 def test_long_delays_are_reached_by_squaring_to_the_same_end(tracks, monkeypatch):
-    from susp_ss.responses import lyapunov
+    from susp_ss.responses.covariance import lyapunov
 
     car, road = VEHICLES["full, unequal corners"], ss.Road(tracks=tracks, speed=1.0, cutoff=0.01)
     walked = ss.covariance(car, road)

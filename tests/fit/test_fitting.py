@@ -9,8 +9,7 @@ import pytest
 import scipy.stats
 
 import susp_ss as ss
-from susp_ss import fitting
-from susp_ss.matched import LowFidelity
+from susp_ss.fit import LowFidelity, fitting
 from susp_ss.surrogates import kriging
 
 ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
@@ -84,7 +83,7 @@ def test_held_out_runs_are_in_no_fit(fitted, runs_file):
 
 
 def test_the_report_says_what_was_found(fitted):
-    text = fitted.report()
+    text = ss.report(fitted)
     bacc = fitted.outputs["bacc"]
     assert text.startswith("12 runs of ")
     assert f"Taken: {bacc.chosen}." in text
@@ -98,7 +97,7 @@ def test_the_report_says_what_was_found(fitted):
 
 
 def test_the_report_says_how_far_a_stated_interval_held(fitted):
-    text, told = " ".join(fitted.report().split()), 0
+    text, told = " ".join(ss.report(fitted).split()), 0
     for found in fitted.outputs.values():
         taken = found.comparison.validations[found.chosen]
         if taken.std is None:
@@ -113,7 +112,7 @@ def test_the_report_says_how_far_a_stated_interval_held(fitted):
 
 
 def test_files(fitted, tmp_path):
-    fitted.save(tmp_path / "fit")
+    ss.save(fitted, tmp_path / "fit")
     files = {str(path.relative_to(tmp_path / "fit")) for path in (tmp_path / "fit").rglob("*.*")}
     pictures = {
         f"figures/{kind}_{output}.png"
@@ -135,22 +134,22 @@ def test_files(fitted, tmp_path):
         fitted.outputs["bacc"].comparison.table.RMSE.iloc[0]
     )
     with pytest.raises(FileExistsError, match=r"holds results already, such as surrogate\.json"):
-        fitted.save(tmp_path / "fit")
-    fitted.save(tmp_path / "fit", force=True)
+        ss.save(fitted, tmp_path / "fit")
+    ss.save(fitted, tmp_path / "fit", force=True)
     with pytest.raises(NotADirectoryError):
-        fitted.save(tmp_path / "fit" / "report.md")
+        ss.save(fitted, tmp_path / "fit" / "report.md")
 
 
 def test_a_failure_leaves_nothing_half_written(fitted, tmp_path, monkeypatch):
     def full(*arguments):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("susp_ss.pages.fit.fit_page", full)
+    monkeypatch.setattr("susp_ss.presentation.pages.fit.fit_page", full)
     (tmp_path / "held").mkdir()
     (tmp_path / "held" / "surrogate.json").write_text("mine")
     for name in ("new", "held"):
         with pytest.raises(OSError, match=rf"cannot write results to .*{name}: No space left"):
-            fitted.save(tmp_path / name, force=True)
+            ss.save(fitted, tmp_path / name, force=True)
     assert [path.name for path in tmp_path.rglob("*")] == ["held", "surrogate.json"]
     assert (tmp_path / "held" / "surrogate.json").read_text() == "mine"
 
@@ -183,7 +182,7 @@ def test_front_rear_and_speed(tmp_path, quick):
     fit = ss.fit_runs(read, LowFidelity(ss.QuarterCar(), ROAD))
     found = fit.outputs["sws_rr"]
     assert (found.chosen, found.model.intercept_) == ("RB", pytest.approx(0.001))
-    assert "For sws_rr, QuarterCar does not feel ks_front." in fit.report()
+    assert "For sws_rr, QuarterCar does not feel ks_front." in ss.report(fit)
 
 
 def test_outputs_that_the_cheap_model_has_not(tmp_path, quick):
@@ -194,8 +193,8 @@ def test_outputs_that_the_cheap_model_has_not(tmp_path, quick):
     fit = ss.fit_runs(read, LowFidelity(ss.QuarterCar(), ROAD, parameter="ms"))
     assert fit.outputs["peak"].untuned is None
     assert fit.outputs["peak"].chosen == "Polynomial 2"
-    assert "QuarterCar has no peak" in fit.report()
-    assert "There is no cheap model to compare with." in fit.report()
+    assert "QuarterCar has no peak" in ss.report(fit)
+    assert "There is no cheap model to compare with." in ss.report(fit)
 
 
 def test_a_tuned_input_is_not_tuned_twice(tmp_path, quick):

@@ -12,7 +12,7 @@ import models
 import oracles
 import susp_ss as ss
 from models import ROADS, VEHICLES, WHEEL_ROADS
-from susp_ss.responses.spectrum import COHERENCE_RATES
+from susp_ss.roads.colours import COHERENCE_RATES
 
 OF_ROAD = ("roughness", "speed", "cutoff")
 
@@ -25,9 +25,9 @@ def leaves(vehicle, name):
     """Where a name such as ``ks``, ``ks_fr`` or ``mb`` points: field, wheels, values."""
     field, _, wheel = name.rpartition("_")
     if field in vehicle.per_corner:
-        return field, [wheel], [vehicle._at_corners(field)[list(vehicle.wheels).index(wheel)]]
+        return field, [wheel], [vehicle.at_wheels(field)[list(vehicle.wheels).index(wheel)]]
     if name in vehicle.per_corner:
-        return name, list(vehicle.wheels), list(vehicle._at_corners(name))
+        return name, list(vehicle.wheels), list(vehicle.at_wheels(name))
     return name, [], [getattr(vehicle, name)]
 
 
@@ -35,7 +35,7 @@ def changed(vehicle, name, by):
     field, wheels, values = leaves(vehicle, name)
     if not wheels:
         return dataclasses.replace(vehicle, **{field: values[0] + by})
-    every = dict(zip(vehicle.wheels, vehicle._at_corners(field), strict=True))
+    every = dict(zip(vehicle.wheels, vehicle.at_wheels(field), strict=True))
     every |= {wheel: value + by for wheel, value in zip(wheels, values, strict=True)}
     return dataclasses.replace(vehicle, **{field: ss.Corners(**every) if len(every) == 4 else tuple(every.values())})
 

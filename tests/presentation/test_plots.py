@@ -12,7 +12,7 @@ from matplotlib.image import imread
 
 import susp_ss as ss
 from susp_ss import plots
-from susp_ss.scan import DEFAULT, FACTORS
+from susp_ss.study.scan import DEFAULT, FACTORS, Scan
 
 SURROGATES = ["RB", "VB", "PB"]
 
@@ -279,7 +279,7 @@ def test_carpet_of_a_car_needs_one_place():
 
 
 def test_scenario_scan_puts_what_matters_first():
-    figure = plots.scenario_scan(scanned())
+    figure = plots.scenario_scan(Scan(scanned()))
     assert_whole(figure)
     (axes,) = figure.axes
     rows = [label.get_text() for label in axes.get_yticklabels()]
@@ -288,7 +288,7 @@ def test_scenario_scan_puts_what_matters_first():
     assert [nearest[row] for row in (1, 2, 3, 5, 6)] == [1.0, 10.0, 30.0, 1.0, 2.0]
     assert rows.index("independent") not in nearest
     with pytest.raises(ValueError, match="no scenario of the table has a distance"):
-        plots.scenario_scan(scanned().tail(1))
+        plots.scenario_scan(Scan(scanned().tail(1)))
 
 
 def test_pictures_draw_on_given_axes(study):
@@ -300,7 +300,7 @@ def test_pictures_draw_on_given_axes(study):
         (lambda ax: plots.mode_shapes(ss.QuarterCar(), ax=ax), (1, 2)),
         (lambda ax: plots.mode_shape(ss.FullCar(), 0, ax=ax), (1, 1)),
         (lambda ax: plots.carpet(grid_of_designs(), ax=ax), (1, 1)),
-        (lambda ax: plots.scenario_scan(scanned(), ax), (1, 1)),
+        (lambda ax: plots.scenario_scan(Scan(scanned()), ax), (1, 1)),
         (lambda ax: plots.error_map(study, "RB", ["dtl"], ax), (1, 1)),
     ]:
         figure, axes = own_axes(*shape)

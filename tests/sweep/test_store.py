@@ -14,9 +14,9 @@ import zarr
 from distributed import LocalCluster
 
 import susp_ss as ss
-import susp_ss.sweep
+import susp_ss.sweep.store
 from susp_ss.sweep import Swept, sweep
-from susp_ss.vehicles.files import MODELS
+from susp_ss.vehicles.files import models
 
 ROAD = ss.Road.iso8608("B", speed=20.0)
 AXES = {"ks": np.linspace(12e3, 25e3, 8), "cs": np.linspace(800.0, 2200.0, 5)}
@@ -28,7 +28,7 @@ CHUNKS = 4
 @pytest.fixture(autouse=True)
 def few_designs(monkeypatch):
     """Chunks small enough for tests."""
-    monkeypatch.setitem(susp_ss.sweep.MOST_DESIGNS, "covariance", 12)
+    monkeypatch.setitem(susp_ss.sweep.store.MOST_DESIGNS, "covariance", 12)
 
 
 @pytest.fixture
@@ -54,10 +54,10 @@ def undisturbed(tmp_path):
 
 def expected(vehicle, axes, **options):
     """The metrics in memory, all at once, on dims in the order of the axes."""
-    fields = {field.name: field.metadata for field in dataclasses.fields(vehicle)}
+    quantities = vehicle.quantities()
     labelled = {}
     for name, values in axes.items():
-        attrs = {"units": fields[name]["unit"], "long_name": fields[name]["meaning"]}
+        attrs = {"units": quantities[name].unit, "long_name": quantities[name].meaning}
         labelled[name] = xr.DataArray(values, {name: (name, values, attrs)})
     return ss.ride_metrics(dataclasses.replace(vehicle, **labelled), ROAD, **options).transpose(*axes, ...)
 
@@ -71,11 +71,11 @@ def same(opened, wanted):
     assert opened.attrs == wanted.attrs
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", models())
 def test_store_opens_as_the_metrics(model, store):
-    swept = sweep(MODELS[model](), ROAD, AXES, store)
+    swept = sweep(models()[model](), ROAD, AXES, store)
     assert swept == Swept(designs=40, chunks=CHUNKS, found=0, computed=40)
-    same(xr.open_zarr(store), expected(MODELS[model](), AXES))
+    same(xr.open_zarr(store), expected(models()[model](), AXES))
     assert zarr.open_group(store, mode="r").metadata.zarr_format == 3
     assert sorted(path.name for path in store.parent.iterdir()) == ["out.zarr"]
 
@@ -106,13 +106,13 @@ def test_another_method(store):
     ],
 )
 def test_chunks_are_even(sizes, most, chunk):
-    assert susp_ss.sweep._chunk(sizes, most) == chunk
+    assert susp_ss.sweep.store._chunk(sizes, most) == chunk
 
 
 def test_regions_cover_every_design_once():
     sizes, chunk = {"ks": 7, "mu": 5, "cs": 4}, {"ks": 2, "mu": 3, "cs": 4}
     times = xr.DataArray(np.zeros(tuple(sizes.values())), dims=tuple(sizes))
-    for region in susp_ss.sweep._regions(sizes, chunk).values():
+    for region in susp_ss.sweep.store._regions(sizes, chunk).values():
         times[region] += 1.0
     assert (times == 1.0).all()
 
@@ -126,7 +126,7 @@ class Stop(Exception):
 
 def stopping(patch, stop, n, after=()):
     """Stop at the n-th chunk, when only the metrics named in ``after`` are written of it."""
-    write, chunks = susp_ss.sweep._write, []
+    write, chunks = susp_ss.sweep.store._write, []
 
     def failing(path, region, metrics):
         chunks.append(region)
@@ -137,7 +137,7 @@ def stopping(patch, stop, n, after=()):
                 write(path, region, metrics[list(after)])
             stop()
 
-    patch.setattr(susp_ss.sweep, "_write", failing)
+    patch.setattr(susp_ss.sweep.store, "_write", failing)
 
 
 def raising(error):
@@ -158,14 +158,14 @@ def test_only_unfinished_chunks_are_computed_again(after, store, undisturbed, mo
         with pytest.raises(Stop):
             sweep(ss.QuarterCar(), ROAD, AXES, store)
     assert zarr.open_group(store, path="sweep", mode="r")["done"][...].sum() == 2
-    metrics, sizes = susp_ss.sweep.block_metrics, []
+    metrics, sizes = susp_ss.sweep.store.block_metrics, []
 
     def counted(block, *rest):
         sizes.append(block.sizes["ks"] * block.sizes["cs"])
         return metrics(block, *rest)
 
     with monkeypatch.context() as patch:
-        patch.setattr(susp_ss.sweep, "block_metrics", counted)
+        patch.setattr(susp_ss.sweep.store, "block_metrics", counted)
         assert sweep(ss.QuarterCar(), ROAD, AXES, store) == Swept(designs=40, chunks=CHUNKS, found=2, computed=20)
         assert sizes == [10, 10]
         assert sweep(ss.QuarterCar(), ROAD, AXES, store) == Swept(designs=40, chunks=CHUNKS, found=4, computed=0)
@@ -176,9 +176,9 @@ def test_only_unfinished_chunks_are_computed_again(after, store, undisturbed, mo
 def process(program, *arguments):
     """Run the command in a process of its own, after a program and with chunks as small as here."""
     preamble = (
-        "import os, resource, signal, sys, susp_ss.sweep\n"
+        "import os, resource, signal, sys, susp_ss.sweep.store\n"
         "from susp_ss.cli import main\n"
-        "susp_ss.sweep.MOST_DESIGNS['covariance'] = 12\n"
+        "susp_ss.sweep.store.MOST_DESIGNS['covariance'] = 12\n"
     )
     command = [sys.executable, "-c", preamble + program + "main(sys.argv[1:])", "sweep", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True)
@@ -187,7 +187,7 @@ def process(program, *arguments):
 def stopped_by(stop, n, after=()):
     """The program that sends a signal to its own process as `stopping` stops."""
     return (
-        "write, chunks = susp_ss.sweep._write, []\n"
+        "write, chunks = susp_ss.sweep.store._write, []\n"
         "def failing(path, region, metrics):\n"
         "    chunks.append(region)\n"
         f"    if len(chunks) != {n}:\n"
@@ -196,7 +196,7 @@ def stopped_by(stop, n, after=()):
         f"        write(path, region, metrics[list({after})])\n"
         f"    os.kill(os.getpid(), {int(stop)})\n"
         "    write(path, region, metrics)\n"
-        "susp_ss.sweep._write = failing\n"
+        "susp_ss.sweep.store._write = failing\n"
     )
 
 
@@ -236,11 +236,11 @@ def test_interrupted(store, undisturbed):
 def test_a_disk_that_takes_no_more(store, undisturbed):
     """Files of at most 60 bytes, once the store is laid out: no chunk fits in."""
     limit = (
-        "lay_out = susp_ss.sweep._lay_out\n"
+        "lay_out = susp_ss.sweep.store._lay_out\n"
         "def limited(*arguments):\n"
         "    lay_out(*arguments)\n"
         "    resource.setrlimit(resource.RLIMIT_FSIZE, (60, 60))\n"
-        "susp_ss.sweep._lay_out = limited\n"
+        "susp_ss.sweep.store._lay_out = limited\n"
     )
     full = process(limit, *LINE, store)
     assert full.returncode == 2
@@ -290,7 +290,7 @@ def test_killed_worker(cluster, store, undisturbed, monkeypatch):
     """A worker dies as the second chunk comes in, and with it what it had computed."""
     car, axes = ss.FullCar(kt=ss.Corners(fr=18e4, fl=19e4, rr=2e5, rl=21e4)), {"ks": np.linspace(12e3, 25e3, 600)}
     before = {worker.pid for worker in cluster.workers.values()}
-    write, chunks = susp_ss.sweep._write, []
+    write, chunks = susp_ss.sweep.store._write, []
 
     def killing(path, region, metrics):
         chunks.append(region)
@@ -299,7 +299,7 @@ def test_killed_worker(cluster, store, undisturbed, monkeypatch):
         write(path, region, metrics)
 
     with monkeypatch.context() as patch:
-        patch.setattr(susp_ss.sweep, "_write", killing)
+        patch.setattr(susp_ss.sweep.store, "_write", killing)
         assert sweep(car, ROAD, axes, store, scheduler=cluster.scheduler_address).computed == 600
     assert len(chunks) == 50
     assert len({region["ks"].start for region in chunks}) == 50
@@ -322,7 +322,7 @@ def test_refused_design_on_a_cluster(cluster, store):
 
 
 def test_unreachable_scheduler(store, run, monkeypatch):
-    monkeypatch.setattr(susp_ss.sweep, "ANSWER", 1.0)
+    monkeypatch.setattr(susp_ss.sweep.store, "ANSWER", 1.0)
     code, _, err = run("sweep", *LINE, store, "--scheduler", "tcp://127.0.0.1:9")
     assert code == 2
     assert err.splitlines()[-1] == (
@@ -332,7 +332,7 @@ def test_unreachable_scheduler(store, run, monkeypatch):
 
 
 def test_scheduler_without_workers(store, monkeypatch):
-    monkeypatch.setattr(susp_ss.sweep, "WORKER", 0.2)
+    monkeypatch.setattr(susp_ss.sweep.store, "WORKER", 0.2)
     with (
         LocalCluster(n_workers=0, dashboard_address=":0") as idle,
         pytest.raises(ConnectionError, match="has no worker; start one with: dask worker tcp://"),
@@ -372,7 +372,7 @@ def test_a_store_of_another_sweep(other, said, store):
 def test_a_store_of_another_version(store, monkeypatch):
     sweep(ss.QuarterCar(), ROAD, AXES, store)
     with monkeypatch.context() as patch:
-        patch.setattr(susp_ss.sweep, "__version__", "9.0")
+        patch.setattr(susp_ss.sweep.store, "__version__", "9.0")
         with pytest.raises(ValueError, match=r"susp_ss is 0.1.0 there and 9.0 here"):
             sweep(ss.QuarterCar(), ROAD, AXES, store)
     path = store / "sweep" / "zarr.json"

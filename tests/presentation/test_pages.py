@@ -15,10 +15,10 @@ import pytest
 import xarray as xr
 
 import susp_ss as ss
-from susp_ss import fitting
-from susp_ss.pages.figures import plain
-from susp_ss.pages.page import number
-from susp_ss.report import FIGURE_FILES
+from susp_ss.fit import fitting
+from susp_ss.presentation.pages.figures import plain
+from susp_ss.presentation.pages.page import number
+from susp_ss.presentation.save import STILLS
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 # WebGL without a graphics card, and no traffic of the browser's own.
@@ -48,7 +48,7 @@ def study():
 @pytest.fixture(scope="module")
 def studied(study, tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
-    study.save(folder, force=True)
+    ss.save(study, folder, force=True)
     return folder
 
 
@@ -80,7 +80,7 @@ def fit(tmp_path_factory):
 @pytest.fixture(scope="module")
 def fit_folder(fit, tmp_path_factory):
     folder = tmp_path_factory.mktemp("fit")
-    fit.save(folder, force=True)
+    ss.save(fit, folder, force=True)
     return folder
 
 
@@ -91,7 +91,7 @@ def hostile(tmp_path_factory):
     table = pd.DataFrame({HOSTILE_INPUT: np.linspace(1.0, 2.0, 9), "peak": np.linspace(1.0, 2.0, 9) ** 3})
     table["ks"] = 18e3 + 10.0 * np.arange(9)
     found = fitted(folder, table, {HOSTILE_INPUT: HOSTILE_INPUT}, {HOSTILE_OUTPUT: "peak"})
-    found.save(folder / "fit")
+    ss.save(found, folder / "fit")
     return folder / "fit"
 
 
@@ -142,7 +142,7 @@ def test_figures_are_plotly_s(page):
 
 
 def test_pages_are_deterministic(study, studied, tmp_path):
-    study.save(tmp_path)
+    ss.save(study, tmp_path)
     assert (tmp_path / "report.html").read_bytes() == (studied / "report.html").read_bytes()
 
 
@@ -152,12 +152,12 @@ def test_the_study_s_code_and_command_run_it_again(study, studied, run, tmp_path
     blocks = Parts((studied / "report.html").read_text(encoding="utf-8")).blocks
     assert "command" not in blocks
     names = {}
-    exec(blocks["code"].removesuffix("study.save('results')"), names)
+    exec(blocks["code"].removesuffix("ss.save(study, 'results')"), names)
     pd.testing.assert_frame_equal(names["study"].comparison(), study.comparison())
 
     road = ss.Road.iso8608("D", speed=27.5, tracks="identical", delay=False, cutoff=0.01, wheels=("fr", "fl"))
     square = ss.feasibility_study(road, corner="rl", nodes=(3, 3), nonnegative=True)
-    square.save("square", figures=False)
+    ss.save(square, "square", figures=False)
     command = Parts((tmp_path / "square" / "report.html").read_text(encoding="utf-8")).blocks["command"]
     code, out, err = run(*shlex.split(command.replace("\\\n", ""))[1:], "--json", "--no-figures")
     assert code == 0, err
@@ -169,7 +169,7 @@ def test_the_study_s_code_and_command_run_it_again(study, studied, run, tmp_path
 def test_the_fit_s_code_makes_it_again(fit, fit_folder):
     code = Parts((fit_folder / "report.html").read_text(encoding="utf-8")).blocks["code"]
     given, called = {}, {}
-    exec(re.sub(r"\nfit = .*", "", code.removesuffix("\nfit.save('fit')")), given)
+    exec(re.sub(r"\nfit = .*", "", code.removesuffix("\nss.save(fit, 'fit')")), given)
     pd.testing.assert_frame_equal(given["runs"].designs, fit.runs.designs)
     pd.testing.assert_frame_equal(given["runs"].responses, fit.runs.responses)
     cheap = given["cheap"]
@@ -181,7 +181,7 @@ def test_the_fit_s_code_makes_it_again(fit, fit_folder):
 
 
 def test_without_figures_numbers_are_printed(study, tmp_path):
-    study.save(tmp_path, figures=False)
+    ss.save(study, tmp_path, figures=False)
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert text.count("data-print>") == 3
     assert not Parts(text).pictures
@@ -412,4 +412,4 @@ def test_plain_text():
 
 def test_figures_are_all_in_the_page(studied):
     pictures = Parts((studied / "report.html").read_text(encoding="utf-8")).pictures
-    assert len(pictures) == len(FIGURE_FILES)
+    assert len(pictures) == len(STILLS)
