@@ -6,6 +6,7 @@ import hypothesis
 import pytest
 
 from susp_ss.cli import main
+from susp_ss.surrogates import kriging
 
 # Machines differ in speed and are shared: no test fails by the clock.
 hypothesis.settings.register_profile(
@@ -33,3 +34,11 @@ def run(capsys):
         return Ran(end.value.code, captured.out, captured.err)
 
     return ran
+
+
+@pytest.fixture(autouse=True, scope="session")
+def few_starts():
+    """Search likelihoods from two starts in place of ten; what tests the search itself asks for ten."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(kriging, "STARTS", 2)
+        yield

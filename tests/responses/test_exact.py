@@ -165,7 +165,8 @@ def test_h2_norm_of_body_acceleration_from_one_wheel(wheel):
 
 
 @given(models.vehicles, st.floats(1e-2, 1.0))
-@settings(max_examples=15)
+@settings(max_examples=8)
+@pytest.mark.slow
 def test_light_damping_keeps_its_accuracy(vehicle, lightness):
     import dataclasses
 

@@ -44,12 +44,13 @@ def test_time_route_is_within_its_standard_error(name, ground):
     assert np.abs(scores).max() < 4.0
 
 
-@pytest.mark.parametrize("name", ["rigid tyre", "quarter", "pitch half", "roll half", "full, unequal corners"])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["rigid tyre", "quarter", "full, unequal corners"])
 def test_standard_errors_are_calibrated_over_fifty_seeds(name):
     vehicle, road = VEHICLES[name], ss.Road(tracks="isotropic")
     exact = ss.ride_metrics(vehicle, road)
     scores = [
-        deviations(ss.ride_metrics(vehicle, road, method="time", duration=150.0, step=0.004, seed=seed), exact)[1]
+        deviations(ss.ride_metrics(vehicle, road, method="time", duration=60.0, step=0.004, seed=seed), exact)[1]
         for seed in range(50)
     ]
     spread = np.std(scores, axis=0, ddof=1)

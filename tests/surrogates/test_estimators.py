@@ -51,16 +51,18 @@ ESTIMATORS = [
 
 
 # No check is expected to fail.
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:the tuned parameter:UserWarning")
 @parametrize_with_checks(ESTIMATORS)
 def test_scikit_learn_checks(estimator, check, monkeypatch):
-    if isinstance(estimator, ss.Kriging | ss.CoKriging):
-        # The checks' own 200 runs in ten variables take SMT a minute.
+    if isinstance(estimator, ss.Kriging | ss.CoKriging | ss.RadialBasis):
+        # The checks' own 200 runs in ten variables take minutes.
         monkeypatch.setattr(estimator_checks, "REGRESSION_DATASET", make_regression(30, 3, random_state=0))
         monkeypatch.setattr(kriging, "STARTS", 1)
     check(estimator)
 
 
+@pytest.mark.slow
 def test_clone_pipeline_and_cross_validation():
     rng = np.random.default_rng(0)
     X = np.column_stack([rng.uniform(12536, 24570, 60), rng.uniform(798, 2235, 60)])

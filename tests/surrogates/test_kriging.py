@@ -30,8 +30,13 @@ def scaled(X, box):
     return 2 * (X - low) / (high - low) - 1
 
 
+@pytest.fixture
+def thorough(monkeypatch):
+    monkeypatch.setattr(kriging, "STARTS", 10)
+
+
 @pytest.mark.parametrize("trend", kriging.TRENDS)
-def test_kriging_is_smts(trend):
+def test_kriging_is_smts(trend, thorough):
     from smt.surrogate_models import KRG
 
     X, T = designs(25, 1), designs(100, 2)
@@ -56,7 +61,7 @@ def test_mean_is_scikit_learns_with_the_same_thetas():
     np.testing.assert_allclose(ours.predict(T), mean + process.predict(T), atol=1e-3)
 
 
-def test_co_kriging_is_smts():
+def test_co_kriging_is_smts(thorough):
     from smt.applications import MFK
 
     X, T = designs(8, 5), designs(100, 6)

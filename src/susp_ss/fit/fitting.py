@@ -180,7 +180,7 @@ def fit_runs(
     >>> path = pathlib.Path(tempfile.mkdtemp(), "runs.csv")
     >>> pd.DataFrame({"ks": ks, "cs": cs, "bacc": bacc}).to_csv(path, index=False)
     >>> runs = ss.read_runs(path, inputs={"ks": "ks", "cs": "cs"}, outputs={"bacc": "bacc"})
-    >>> fit = ss.fit_runs(runs, ss.LowFidelity(ss.QuarterCar(), ss.Road(), "fr"), choose="VB")
+    >>> fit = ss.fit_runs(runs, ss.LowFidelity(ss.QuarterCar(), ss.Road(), "fr"), choose="VB", folds=2)
     >>> bool(fit.outputs["bacc"].comparison.table.R2["VB"] > 0.9)
     True
     """
