@@ -10,6 +10,7 @@ import scipy.stats
 
 import susp_ss as ss
 from susp_ss.fit import LowFidelity, fitting
+from susp_ss.surrogates.folds import split
 
 ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
 QUICK = ("RB", "VB", "PB ms", "Polynomial 1", "Polynomial 2", "RBF thin plate")
