@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..metrics.response import Response
 from ..quantities import CORNERS, GROUPS, ROAD, metric_and_place, signal
-from ..responses.labels import variables
 from ..responses.settings import settable
 from ..roads.road import Road
 from ..vehicles.full import FullCar
@@ -90,7 +89,7 @@ class LowFidelityResponse:
             )
         self._weights = np.array(list(shares.values())).T
         self.unknown = tuple(name for name, row in zip(self.columns, self._weights, strict=True) if not row.any())
-        at = _own_place(vehicle, place) if variables(vehicle.layout())[criterion][0].dim else None
+        at = _own_place(vehicle, place) if vehicle.layout().variables[criterion][0].dim else None
         self.response = Response(vehicle, road, criterion, at, tuple(shares), parameter)
         self._rest = (1.0 - self._weights.sum(axis=0)) * [self.response.own(name) for name in shares]
         if hasattr(self.response, "parameter_value"):
@@ -224,7 +223,7 @@ class LowFidelity:
         """
         metric, place = metric_and_place(output)
         place = self.place if place is None else place
-        measured = variables(self.vehicle.layout())
+        measured = self.vehicle.layout().variables
         if metric not in measured:
             return None
         if place is None and measured[metric][0].dim and len(self.vehicle.wheels) > 1:

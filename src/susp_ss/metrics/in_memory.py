@@ -24,15 +24,15 @@ Array = NDArray[np.float64]
 
 def metrics_in_memory(vehicle: Vehicle, road: Road, method: str, designs: int, **record: Any) -> xr.Dataset:
     """Metrics of a vehicle in memory, part of a sweep of so many designs; ``record`` is for time histories."""
-    errors = None
+    space, errors = vehicle.design_space(), None
+    flat = vehicle.flattened(space)
     if method == "time":
-        variances, errors = time_variances(vehicle, road, **record)
+        variances, errors = time_variances(flat, space, road, **record)
     elif method == "spectral":
-        variances = spectral_variances(vehicle, road)
+        variances = spectral_variances(flat, space, road)
     else:
-        variances = covariance_variances(vehicle, road, designs)
-    space = vehicle.design_space()
-    corners = vehicle.flattened(space).linkage().corners.values()
+        variances = covariance_variances(flat, space, road, designs)
+    corners = flat.linkage().corners.values()
     damping = np.stack(np.broadcast_arrays(*(corner.cs for corner in corners))).T
     return _labelled(vehicle.layout(), space, damping, variances, errors)
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..quantities import ROAD
 from ..responses.excitation import check_kinds
-from ..responses.labels import dim_of, variables
+from ..responses.labels import dim_of
 from ..responses.settings import settable
 from ..roads.road import Road
 from ..vehicles.parameters import Corners
@@ -117,7 +117,7 @@ class Response:
         return dict(zip(self.vehicle.wheels, self.vehicle.at_wheels(field), strict=True))
 
     def _check_place(self) -> None:
-        measured = variables(self.vehicle.layout())
+        measured = self.vehicle.layout().variables
         if self.criterion not in measured:
             raise ValueError(f"no criterion named {self.criterion!r}, available: {', '.join(measured)}")
         quantity, places = measured[self.criterion]

@@ -82,9 +82,9 @@ def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks",
     for name in ("parameter", "unit"):
         if name in space.coords or name in space.dims:
             raise ValueError(f"{type(vehicle).__name__} has a dim or coordinate named {name!r}, which results use")
-    variances = covariance_variances(vehicle, road)
-
     flat, rates = vehicle.flattened(space), vehicle.layout().outputs.of("dsws")
+    variances = covariance_variances(flat, space, road)
+
     rms, power = [], []
     for start in range(0, space.size, BATCH):
         batch = slice(start, start + BATCH)

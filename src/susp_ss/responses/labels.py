@@ -8,20 +8,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..quantities import METRICS, Quantity
+from ..quantities import Quantity
 from ..vehicles.parameters import DesignSpace
 from ..vehicles.second_order import Layout
-
-
-def variables(layout: Layout) -> dict[str, tuple[Quantity, tuple[str, ...]]]:
-    """The variables of a vehicle's results: what each is, and where; one place without a name where there is no dim.
-
-    First those of the table of metrics, in its order, then what this vehicle adds.
-    """
-    outputs = layout.outputs
-    measured = {name: (quantity, outputs.places(name)) for name, quantity in outputs.quantities.items()}
-    measured["damper_power"] = METRICS["damper_power"], layout.corners
-    return {name: measured[name] for name in dict.fromkeys([*METRICS, *measured]) if name in measured}
 
 
 def dim_of(quantity: Quantity, places: tuple[str, ...]) -> tuple[str, ...]:
@@ -55,7 +44,7 @@ def labelled_outputs(
     """
     found: dict[str, Any] = {}
     labels: dict[str, Any] = {**space.coords, **(coords or {})}
-    for name, (quantity, places) in variables(layout).items():
+    for name, (quantity, places) in layout.variables.items():
         data = power if name == "damper_power" else _columns(values, layout.outputs.of(name))
         dim = dim_of(quantity, places)
         labels |= {name: list(places) for name in dim}

@@ -14,6 +14,7 @@ from rich.progress import track
 from ..quantities import whole_number
 from ..roads.profiles import synthesise
 from ..roads.road import Road
+from ..vehicles.parameters import DesignSpace
 from ..vehicles.second_order import SecondOrder
 from ..vehicles.vehicle import Vehicle
 from .excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
@@ -91,7 +92,9 @@ def _outputs(model: SecondOrder, z: Array, t: Array) -> Array:
     return y + D1 @ np.gradient(z, t[1] - t[0], axis=1) if np.any(D1) else y
 
 
-def time_variances(vehicle: Vehicle, road: Road, duration: float, step: float, seed: int) -> tuple[Array, Array]:
+def time_variances(
+    flat: Vehicle, space: DesignSpace, road: Road, duration: float, step: float, seed: int
+) -> tuple[Array, Array]:
     """Mean squares (designs, outputs) over a synthesised record, and their standard errors.
 
     The record is periodic and starts after the vehicle has forgotten its initial state, so that the mean square is the
@@ -106,8 +109,6 @@ def time_variances(vehicle: Vehicle, road: Road, duration: float, step: float, s
     if duration < 100 * step:
         raise ValueError(f"duration must be at least 100 steps of {step} s, got {duration} s")
     seed = whole_number("seed", seed, 0)
-    space = vehicle.design_space()
-    flat = vehicle.flattened(space)
     designs = track(range(space.size), "simulating", console=Console(stderr=True), disable=space.size == 1)
     pairs = [_mean_squares(flat.select(slice(i, i + 1)), road, duration, step, seed) for i in designs]
     squares, errors = zip(*pairs, strict=True)

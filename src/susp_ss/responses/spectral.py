@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cubature
 
 from ..roads.road import Road
+from ..vehicles.parameters import DesignSpace
 from ..vehicles.vehicle import Vehicle
 from .excitation import check_stationary, infinite_outputs, processes
 from .frequency import output_density
@@ -23,14 +24,12 @@ ABOVE, TURNS, FADE = 10.0, 50.0, 10.0
 RELATIVE, CANCELLED = 1e-7, 1e-12
 
 
-def spectral_variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
+def spectral_variances(flat: Vehicle, space: DesignSpace, road: Road) -> NDArray[np.float64]:
     """Integrate ``S_y(f) df`` over all frequencies: variances (designs, outputs) of all outputs of all designs.
 
     Adaptive Gauss-Kronrod cubature in log frequency with breaks at the resonances. An output that passes the road's
     velocity straight on has no finite variance unless the waviness exceeds 3.
     """
-    space = vehicle.design_space()
-    flat = vehicle.flattened(space)
     return np.stack([_variances(flat.select(slice(i, i + 1)), road) for i in range(space.size)])
 
 

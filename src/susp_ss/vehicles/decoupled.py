@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .linkage import Corner, Linkage, Motion, Wheel
+from ..quantities import signal
+from .linkage import Corner, Linkage, Wheel
 
 
 class Strut(NamedTuple):
@@ -112,6 +113,8 @@ def _same(one: Strut, *others: Strut) -> bool:
 
 
 def _equal(x: Any, y: Any) -> bool:
+    if isinstance(x, float) and isinstance(y, float):
+        return x == y
     return x is y or np.array_equal(x, y)
 
 
@@ -129,11 +132,10 @@ def _parity(coordinate: str, linkage: Linkage, axles: list[tuple[str, ...]]) -> 
 
 def _points(linkage: Linkage, coordinates: list[str]) -> dict[str, dict[str, Any]]:
     """Shares of these coordinates in every acceleration but those of the mounts, where there are any."""
-    mounts = [corner.mount for corner in linkage.corners.values()]
-    points: dict[str, dict[str, Any]] = {}
-    for row, output in zip(linkage.layout.outputs.rows, linkage.outputs, strict=True):
-        motion: Motion = output.acceleration
-        shares = {name: share for name, share in motion.terms.items() if name in coordinates}
-        if shares and not any(motion is mount for mount in mounts):
-            points[row.name] = shares
-    return points
+    mounts = {id(corner.mount) for corner in linkage.corners.values()}
+    motions = {signal("bacc", place): motion for place, motion in linkage.points.items() if id(motion) not in mounts}
+    shares = {
+        name: {coordinate: motion.terms[coordinate] for coordinate in coordinates if coordinate in motion.terms}
+        for name, motion in {**motions, **linkage.rotations}.items()
+    }
+    return {name: share for name, share in shares.items() if share}

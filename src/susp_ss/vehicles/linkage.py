@@ -27,11 +27,16 @@ class Motion:
         self.terms = dict(terms)
 
     def __add__(self, other: Motion) -> Motion:
-        names = self.terms | other.terms
-        return Motion({name: self.terms.get(name, 0.0) + other.terms.get(name, 0.0) for name in names})
+        terms = dict(self.terms)
+        for name, coefficient in other.terms.items():
+            terms[name] = terms[name] + coefficient if name in terms else coefficient
+        return Motion(terms)
 
     def __sub__(self, other: Motion) -> Motion:
-        return self + (-1.0) * other
+        terms = dict(self.terms)
+        for name, coefficient in other.terms.items():
+            terms[name] = terms[name] - coefficient if name in terms else -coefficient
+        return Motion(terms)
 
     def __rmul__(self, factor: ArrayLike) -> Motion:
         return Motion({name: factor * coefficient for name, coefficient in self.terms.items()})

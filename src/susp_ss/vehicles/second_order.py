@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..quantities import Quantity, signal
+from ..quantities import METRICS, Quantity, signal
 
 Array = NDArray[np.float64]
 
@@ -67,13 +67,20 @@ class Outputs:
     def __len__(self) -> int:
         return len(self.rows)
 
+    @cached_property
+    def _found(self) -> dict[str, list[int]]:
+        found: dict[str, list[int]] = {}
+        for i, row in enumerate(self.rows):
+            found.setdefault(row.quantity.name, []).append(i)
+        return found
+
     def places(self, quantity: str) -> tuple[str, ...]:
         """Where a quantity is measured."""
-        return tuple(row.place for row in self.rows if row.quantity.name == quantity)
+        return tuple(self.rows[i].place for i in self._found[quantity])
 
     def of(self, quantity: str) -> slice | list[int]:
         """The rows of a quantity, in the order of its places: a slice if they follow one another."""
-        found = [i for i, row in enumerate(self.rows) if row.quantity.name == quantity]
+        found = self._found[quantity]
         first, last = found[0], found[-1]
         return slice(first, last + 1) if last - first + 1 == len(found) else found
 
@@ -87,6 +94,17 @@ class Layout:
     corners: tuple[str, ...]
     outputs: Outputs
     warps: bool
+
+    @cached_property
+    def variables(self) -> dict[str, tuple[Quantity, tuple[str, ...]]]:
+        """The variables of results: what each is, and where; one place without a name where there is no dim.
+
+        First those of the table of metrics, in its order, then what a vehicle adds.
+        """
+        outputs = self.outputs
+        measured = {name: (quantity, outputs.places(name)) for name, quantity in outputs.quantities.items()}
+        measured["damper_power"] = METRICS["damper_power"], self.corners
+        return {name: measured[name] for name in dict.fromkeys([*METRICS, *measured]) if name in measured}
 
     @property
     def states(self) -> tuple[str, ...]:

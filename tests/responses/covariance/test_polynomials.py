@@ -17,11 +17,16 @@ from susp_ss.responses.covariance import polynomials, routes, symmetric
 ENGINE = "susp_ss.responses.covariance.routes"
 
 
+def variances_of(vehicle, road):
+    space = vehicle.design_space()
+    return routes.covariance_variances(vehicle.flattened(space), space, road)
+
+
 def by_matrices(vehicle, road):
     """The same variances where no vehicle is split."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(symmetric, "problems", lambda *_: [])
-        return routes.covariance_variances(vehicle, road)
+        return variances_of(vehicle, road)
 
 
 def mirrored(vehicle):
@@ -44,7 +49,7 @@ def test_polynomials_and_matrices_agree(vehicle, road):
         expected = by_matrices(vehicle, road)
     except ValueError:
         assume(False)
-    values = routes.covariance_variances(vehicle, road)
+    values = variances_of(vehicle, road)
     np.testing.assert_allclose(values, expected, rtol=1e-9, atol=0.0)
 
 
@@ -53,7 +58,7 @@ def test_polynomials_and_matrices_agree(vehicle, road):
 def test_long_delays(speed, tracks):
     for name in ("pitch half", "full, bars"):
         road = ss.Road(tracks=tracks, speed=speed)
-        values = routes.covariance_variances(VEHICLES[name], road)
+        values = variances_of(VEHICLES[name], road)
         np.testing.assert_allclose(values, by_matrices(VEHICLES[name], road), rtol=1e-9)
 
 
@@ -111,11 +116,11 @@ def test_compiled_code_gives_the_same(monkeypatch):
 
         return dataclasses.replace(vehicle, cs=times(vehicle.cs))
 
-    plain = [routes.covariance_variances(swept(vehicle), road) for vehicle, road in cases]
+    plain = [variances_of(swept(vehicle), road) for vehicle, road in cases]
     monkeypatch.setattr(f"{ENGINE}.PLENTY", 1)
     monkeypatch.setattr(f"{ENGINE}.MANY", 1)
     for (vehicle, road), expected in zip(cases, plain, strict=True):
-        values = routes.covariance_variances(swept(vehicle), road)
+        values = variances_of(swept(vehicle), road)
         np.testing.assert_allclose(values, expected, rtol=1e-9)
 
     uneven = ss.Corners(fr=17e3, fl=18e3, rr=np.r_[np.full(700, 19e3), 1e17], rl=18e3)

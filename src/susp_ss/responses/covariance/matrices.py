@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...roads.colours import colours
 from ...roads.road import Road
+from ...vehicles.parameters import DesignSpace
 from ...vehicles.second_order import SecondOrder
 from ...vehicles.vehicle import Vehicle
 from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
@@ -80,7 +81,7 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     check_kinds(vehicle, road)
     space = vehicle.design_space()
     flat = vehicle.flattened(space)
-    solved = [moments(vehicle, flat, road, chosen, LOST_MATRIX) for chosen in batches(np.arange(space.size), BATCH)]
+    solved = [moments(flat, space, road, chosen, LOST_MATRIX) for chosen in batches(np.arange(space.size), BATCH)]
     states = list(solved[0].model.layout.relative_states)
     X = np.concatenate([batch.X for batch in solved])
     labels = {"state": states, "state_": states}
@@ -92,20 +93,20 @@ def batches(designs: NDArray[np.int_], size: int) -> Iterator[NDArray[np.int_]]:
     return (designs[i : i + size] for i in range(0, len(designs), size))
 
 
-def lost_digits(vehicle: Vehicle, design: int) -> ValueError:
+def lost_digits(flat: Vehicle, space: DesignSpace, design: int) -> ValueError:
     """Say which design cannot be computed to six digits."""
     return ValueError(
-        f"{type(vehicle).__name__}{vehicle.design_space().place(design)} is damped so lightly or so heavily, has "
+        f"{type(flat).__name__}{space.place(design)} is damped so lightly or so heavily, has "
         "masses and stiffnesses so far apart, or is so nearly symmetric, that a variance keeps fewer than six digits; "
         'pass less extreme parameters, or take ride_metrics(..., method="spectral")'
     )
 
 
-def moments(vehicle: Vehicle, flat: Vehicle, road: Road, chosen: NDArray[np.int_], lost: float) -> Moments:
+def moments(flat: Vehicle, space: DesignSpace, road: Road, chosen: NDArray[np.int_], lost: float) -> Moments:
     """Covariance of some designs of a flattened vehicle, each with an error below ``lost``."""
     designs = flat.select(chosen)
     model = designs.assemble()
-    check_stationary(vehicle, road, model)
+    check_stationary(flat, road, model)
     try:
         with np.errstate(all="ignore"):
             solved = _solved(designs, model, road, len(chosen))
@@ -113,11 +114,11 @@ def moments(vehicle: Vehicle, flat: Vehicle, road: Road, chosen: NDArray[np.int_
         # A pivot of exactly zero has lost all digits, like one of rounding: whose it is, halving tells.
         if len(chosen) > 1:
             for half in np.array_split(chosen, 2):
-                moments(vehicle, flat, road, half, lost)
-        raise lost_digits(vehicle, int(chosen[0])) from None
+                moments(flat, space, road, half, lost)
+        raise lost_digits(flat, space, int(chosen[0])) from None
     beyond = ~(solved.error < lost)
     if beyond.any():
-        raise lost_digits(vehicle, int(chosen[np.argmax(beyond)]))
+        raise lost_digits(flat, space, int(chosen[np.argmax(beyond)]))
     return solved
 
 

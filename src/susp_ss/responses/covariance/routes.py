@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from ...roads.colours import colours
 from ...roads.road import Road
+from ...vehicles.parameters import DesignSpace
 from ...vehicles.vehicle import Vehicle
 from ..excitation import check_stationary, delay, infinite_outputs, processes
 from . import polynomials
@@ -48,14 +49,12 @@ PLENTY, MANY = 1_000_000, 50_000
 SHARE = 512
 
 
-def covariance_variances(vehicle: Vehicle, road: Road, designs: int = 1) -> Array:
-    """Variances (designs, outputs) of all outputs of all designs; `inf` where the road's white velocity reaches one.
+def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs: int = 1) -> Array:
+    """Variances (designs, outputs) of all outputs of a flattened vehicle's designs; `inf` where white velocity passes.
 
     These may be part of a sweep of more ``designs``, whose number decides what is worth compiling.
     """
-    space = vehicle.design_space()
-    flat = vehicle.flattened(space)
-    outputs = vehicle.layout().outputs
+    outputs = flat.layout().outputs
     variances = np.empty((len(outputs), space.size))
     left = np.zeros(space.size, dtype=bool)
 
@@ -74,15 +73,15 @@ def covariance_variances(vehicle: Vehicle, road: Road, designs: int = 1) -> Arra
             list(pool.map(lambda block: solve(block, polynomials_numba), _blocks(space.size, LONG_BLOCK)))
     by_matrices = np.flatnonzero(left)
     if len(by_matrices) >= MANY:
-        by_matrices = _compiled(vehicle, flat, road, by_matrices, variances)
+        by_matrices = _compiled(flat, road, by_matrices, variances)
     for chosen in batches(by_matrices, BATCH):
-        model, X, error, infinite = moments(vehicle, flat, road, chosen, LOST)
+        model, X, error, infinite = moments(flat, space, road, chosen, LOST)
         Y = model.velocity_form()[2]
         variance = np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
         terms = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0))) ** 2
         values, lost = _sound(variance, terms, error, infinite)
         if lost.any():
-            raise lost_digits(vehicle, int(chosen[np.argmax(lost)]))
+            raise lost_digits(flat, space, int(chosen[np.argmax(lost)]))
         variances[:, chosen] = values.T
     return variances.T
 
@@ -99,9 +98,7 @@ def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.boo
     return np.where(infinite, np.inf, np.where(zero, 0.0, variance)), lost
 
 
-def _compiled(
-    vehicle: Vehicle, flat: Vehicle, road: Road, designs: NDArray[np.int_], variances: Array
-) -> NDArray[np.int_]:
+def _compiled(flat: Vehicle, road: Road, designs: NDArray[np.int_], variances: Array) -> NDArray[np.int_]:
     """Fill in the variances (outputs, N) of some designs on every processor; return those that lost digits."""
     from . import matrices_numba
 
@@ -116,7 +113,7 @@ def _compiled(
             return np.array(np.broadcast_to(x, (N, *shape)), dtype=float, order="C")
 
         model = some.assemble()
-        check_stationary(vehicle, road, model)
+        check_stationary(flat, road, model)
         Y = np.concatenate([model.on_position, model.on_velocity, model.on_warp[..., None]], axis=-1)
         matrices = {"K": model.K, "C": model.C, "K_in": model.K_in, "C_in": model.C_in, "Y": Y}
         spectra = [colours(road, process.share, process.sign, each(some.track_width)) for process in excited]
