@@ -226,6 +226,7 @@ def opened(browser):
 
     def open_page(path, width=1000, **context):
         contexts.append(browser.new_context(viewport={"width": width, "height": 900}, **context))
+        contexts[-1].set_default_timeout(0)
         tab = contexts[-1].new_page()
         tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
         tab.on("pageerror", lambda error: wrong.append(str(error)))

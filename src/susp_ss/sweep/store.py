@@ -42,7 +42,7 @@ STORE_VERSION, GROUP = 1, "sweep"
 MOST_DESIGNS = {"covariance": 2**17, "spectral": 2**8}
 
 # Seconds that a scheduler has to answer, and to have a first worker.
-ANSWER, WORKER = 5.0, 30.0
+ANSWER, WORKER = 30.0, 30.0
 
 Index = tuple[int, ...]
 Task = tuple[Any, ...]

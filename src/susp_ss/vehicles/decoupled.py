@@ -44,6 +44,18 @@ class Half(NamedTuple):
     body: dict[str, BodyMode]
     points: dict[str, dict[str, Any]]
 
+    def select(self, designs: slice) -> Half:
+        """The same half of some of the designs."""
+
+        def some(x: Any) -> Any:
+            return x[designs] if isinstance(x, np.ndarray) else x
+
+        return Half(
+            {name: Strut._make(map(some, strut)) for name, strut in self.struts.items()},
+            {name: BodyMode(some(mode.mobility), tuple(map(some, mode.arms))) for name, mode in self.body.items()},
+            {name: {mode: some(share) for mode, share in shares.items()} for name, shares in self.points.items()},
+        )
+
     def compliance(self, i: int, j: int) -> Any:
         """Acceleration over strut ``i`` per unit force of strut ``j``, in 1/kg."""
         return sum(mode.mobility * mode.arms[i] * mode.arms[j] for mode in self.body.values())

@@ -66,12 +66,8 @@ class FullCar(Vehicle):
 
     def linkage(self) -> Linkage:
         *wheels, heave, pitch, roll = coordinates(*(f"z_u_{name}" for name in self.wheels), "z_b", "theta", "phi")
-        mounts = {
-            "fr": heave - self.a * pitch - self.c * roll,
-            "fl": heave - self.a * pitch + self.c * roll,
-            "rr": heave + self.b * pitch - self.c * roll,
-            "rl": heave + self.b * pitch + self.c * roll,
-        }
+        front, rear, side = heave - self.a * pitch, heave + self.b * pitch, self.c * roll
+        mounts = {"fr": front - side, "fl": front + side, "rr": rear - side, "rl": rear + side}
         at = corners(self, wheels, mounts)
         return Linkage(
             masses={

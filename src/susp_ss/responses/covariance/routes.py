@@ -54,16 +54,15 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
 
     These may be part of a sweep of more ``designs``, whose number decides what is worth compiling.
     """
-    outputs = flat.layout().outputs
-    variances = np.empty((len(outputs), space.size))
+    halves = flat.halves()
+    variances = np.empty((len(flat.layout().outputs), space.size))
     left = np.zeros(space.size, dtype=bool)
 
     def solve(block: slice, kernels: Any = polynomials) -> None:
-        variances[:, block], left[block] = symmetric_variances(
-            flat.select(block), road, outputs, block.stop - block.start, kernels
-        )
+        some, size = [half.select(block) for half in halves], block.stop - block.start
+        variances[:, block], left[block] = symmetric_variances(some, flat.select(block), road, size, kernels)
 
-    if max(designs, space.size) < PLENTY or not flat.select(slice(0, 1)).halves():
+    if max(designs, space.size) < PLENTY or not halves:
         for block in _blocks(space.size, BLOCK):
             solve(block)
     else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -120,14 +121,14 @@ class Problem(NamedTuple):
         )
 
 
-def problems(vehicle: Vehicle, road: Road, N: int) -> list[Problem]:
-    """Split N designs on a road into problems; none where left and right differ, or no such split exists."""
+def problems(halves: Sequence[Half], vehicle: Vehicle, road: Road, N: int) -> list[Problem]:
+    """The halves of N designs on a road as problems; none where there are no halves, or a wheel sees no road."""
     if road.wheels is not None and not set(vehicle.wheels) <= set(road.wheels):
         return []
     tau = np.broadcast_to(np.asarray(delay(vehicle, road), dtype=float), N)
     width = np.broadcast_to(np.asarray(vehicle.track_width, dtype=float), N)
     # On identical tracks the half difference of left and right is nothing.
-    pairs = zip(vehicle.halves(), processes(vehicle, road), strict=False)
+    pairs = zip(halves, processes(vehicle, road), strict=False)
     return [_problem(half, road, process, tau, width) for half, process in pairs]
 
 
@@ -163,14 +164,14 @@ def _problem(half: Half, road: Road, process: Process, tau: Array, width: Array)
 
 
 def symmetric_variances(
-    vehicle: Vehicle, road: Road, outputs: Outputs, N: int, kernels: Any = polynomials
+    halves: Sequence[Half], vehicle: Vehicle, road: Road, N: int, kernels: Any = polynomials
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Variances (outputs, N) of N designs, and which of them (N,) are left to matrices.
+    """Variances (outputs, N) of N designs by their halves, and which of them (N,) are left to matrices.
 
     All are where left and right differ, a wheel sees no road, no damper reaches a wheel, or the delay is very long; and
     each one is that may keep fewer than six digits here.
     """
-    parts = problems(vehicle, road, N)
+    parts, outputs = problems(halves, vehicle, road, N), vehicle.layout().outputs
     with np.errstate(all="ignore"):
         walks = [part.walk() for part in parts]
         if not parts or any(part.undamped() for part in parts) or max(walks)[0] > LONGEST_WALK:
