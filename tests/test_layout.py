@@ -12,6 +12,7 @@ ROOT = Path(susp_ss.__file__).parent
 
 ROOMS = (
     "quantities",
+    "units",
     "vehicles",
     "roads",
     "responses",

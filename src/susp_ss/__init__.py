@@ -24,7 +24,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     submod_attrs={f"vehicles.{module}": classes for module, classes in CLASSES.items()}
     | {
         "vehicles.parameters": ["Corners"],
-        "roads": ["Road"],
+        "roads": ["DEFAULT_ROAD", "Road"],
         "responses": ["frequency_response", "psd", "simulate"],
         "responses.covariance": ["covariance"],
         "metrics": ["Response", "ride_metrics", "sensitivity"],

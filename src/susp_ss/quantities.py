@@ -16,8 +16,9 @@ class Quantity(NamedTuple):
     """What a name stands for.
 
     ``unit`` is the SI unit, ``bound`` what its values must be (``"> 0"``, ``">= 0"`` or nothing), ``shown`` the unit of
-    pictures where that is another, ``dim`` what its places are, of a result the dim along which they lie, and
-    ``statistic`` what a ride metric is of the momentary value.
+    pictures where that is another, ``dim`` what its places are, of a result the dim along which they lie,
+    ``statistic`` what a ride metric is of the momentary value, and ``known`` the least and the largest value that road
+    vehicles and roads have, from karts to trucks; zero is known where the bound admits it.
     """
 
     name: str
@@ -28,6 +29,7 @@ class Quantity(NamedTuple):
     shown: str = ""
     dim: str = ""
     statistic: str = "RMS"
+    known: tuple[float, float] = (0.0, math.inf)
 
     @property
     def zero(self) -> bool:
@@ -40,39 +42,46 @@ def _table(*quantities: Quantity) -> dict[str, Quantity]:
 
 
 PARAMETERS = _table(
-    Quantity("ms", "kg", "sprung mass", "M_s", "> 0"),
-    Quantity("mb", "kg", "body mass", "M_b", "> 0"),
-    Quantity("mu", "kg", "unsprung mass", "M_u", "> 0", dim="corner"),
-    Quantity("ixx", "kg m^2", "roll inertia", "I_xx", "> 0"),
-    Quantity("iyy", "kg m^2", "pitch inertia", "I_yy", "> 0"),
-    Quantity("a", "m", "front axle to centre of gravity", "a", "> 0"),
-    Quantity("b", "m", "rear axle to centre of gravity", "b", "> 0"),
-    Quantity("c", "m", "half track width", "c", "> 0"),
-    Quantity("ks", "N/m", "spring stiffness", "K_s", "> 0", "kN/m", dim="corner"),
-    Quantity("cs", "N s/m", "damping rate", "C_s", ">= 0", "kN s/m", dim="corner"),
-    Quantity("kt", "N/m", "tyre stiffness", "K_t", "> 0", "kN/m", dim="corner"),
-    Quantity("ct", "N s/m", "tyre damping", "C_t", ">= 0", dim="corner"),
-    Quantity("arb", "N/m", "anti-roll bar of one axle", "", ">= 0"),
-    Quantity("arb_front", "N/m", "front anti-roll bar", "", ">= 0"),
-    Quantity("arb_rear", "N/m", "rear anti-roll bar", "", ">= 0"),
+    Quantity("ms", "kg", "sprung mass", "M_s", "> 0", known=(20.0, 2e4)),
+    Quantity("mb", "kg", "body mass", "M_b", "> 0", known=(40.0, 6e4)),
+    Quantity("mu", "kg", "unsprung mass", "M_u", "> 0", dim="corner", known=(2.0, 2e3)),
+    Quantity("ixx", "kg m^2", "roll inertia", "I_xx", "> 0", known=(1.0, 1e5)),
+    Quantity("iyy", "kg m^2", "pitch inertia", "I_yy", "> 0", known=(1.0, 5e5)),
+    Quantity("a", "m", "front axle to centre of gravity", "a", "> 0", known=(0.1, 10.0)),
+    Quantity("b", "m", "rear axle to centre of gravity", "b", "> 0", known=(0.1, 10.0)),
+    Quantity("c", "m", "half track width", "c", "> 0", known=(0.1, 2.0)),
+    Quantity("ks", "N/m", "spring stiffness", "K_s", "> 0", "kN/m", dim="corner", known=(1e3, 5e6)),
+    Quantity("cs", "N s/m", "damping rate", "C_s", ">= 0", "kN s/m", dim="corner", known=(20.0, 1e6)),
+    Quantity("kt", "N/m", "tyre stiffness", "K_t", "> 0", "kN/m", dim="corner", known=(1e4, 1e7)),
+    Quantity("ct", "N s/m", "tyre damping", "C_t", ">= 0", dim="corner", known=(1.0, 1e5)),
+    Quantity("arb", "N/m", "anti-roll bar of one axle", "", ">= 0", known=(100.0, 1e7)),
+    Quantity("arb_front", "N/m", "front anti-roll bar", "", ">= 0", known=(100.0, 1e7)),
+    Quantity("arb_rear", "N/m", "rear anti-roll bar", "", ">= 0", known=(100.0, 1e7)),
 )
 """Parameters of vehicles, in the symbols of the study."""
 
 ROAD = _table(
-    Quantity("roughness", "m^3", "G_d(0.1 cycle/m) of the road", "G_d", "> 0"),
-    Quantity("speed", "m/s", "speed", "V", "> 0"),
-    Quantity("cutoff", "cycle/m", "low-wavenumber cut-off of the road", "n_c", ">= 0"),
+    Quantity("roughness", "m^3", "G_d(0.1 cycle/m) of the road", "G_d", "> 0", known=(1e-8, 1.0)),
+    Quantity("speed", "m/s", "speed", "V", "> 0", known=(0.1, 70.0)),
+    Quantity("cutoff", "cycle/m", "low-wavenumber cut-off of the road", "n_c", ">= 0", known=(1e-5, 2.0)),
 )
 """What a design may set of a road."""
 
 METRICS = _table(
-    Quantity("bacc", "m/s^2", "body vertical acceleration", "BAcc", ">= 0", dim="point"),
-    Quantity("sws", "m", "suspension deflection", "SWS", ">= 0", "mm", "corner"),
-    Quantity("dtl", "N", "dynamic tyre load", "DTL", ">= 0", "kN", "corner"),
-    Quantity("pitch_acc", "rad/s^2", "pitch acceleration", "", ">= 0"),
-    Quantity("roll_acc", "rad/s^2", "roll acceleration", "", ">= 0"),
+    Quantity("bacc", "m/s^2", "body vertical acceleration", "BAcc", ">= 0", dim="point", known=(1e-4, 200.0)),
+    Quantity("sws", "m", "suspension deflection", "SWS", ">= 0", "mm", "corner", known=(1e-6, 1.0)),
+    Quantity("dtl", "N", "dynamic tyre load", "DTL", ">= 0", "kN", "corner", known=(0.1, 1e6)),
+    Quantity("pitch_acc", "rad/s^2", "pitch acceleration", "", ">= 0", known=(1e-5, 500.0)),
+    Quantity("roll_acc", "rad/s^2", "roll acceleration", "", ">= 0", known=(1e-5, 500.0)),
     Quantity(
-        "damper_power", "W", "power dissipated by the suspension damper", "", ">= 0", dim="corner", statistic="mean"
+        "damper_power",
+        "W",
+        "power dissipated by the suspension damper",
+        "",
+        ">= 0",
+        dim="corner",
+        statistic="mean",
+        known=(1e-4, 1e5),
     ),
 )
 """Variables of `susp_ss.ride_metrics`, in their order."""
@@ -82,21 +91,26 @@ SIGNALS = METRICS | _table(Quantity("dsws", "m/s", "suspension velocity", dim="c
 
 KNOWN = PARAMETERS | ROAD | METRICS
 
+# The pound is 0.45359237 kg and the inch 0.0254 m by definition; a pound-force weighs at g = 9.80665 m/s^2.
+_LB, _IN, _G = 0.45359237, 0.0254, 9.80665
+
 UNITS: dict[str, dict[str, float]] = {
-    "kg": {"kg": 1.0, "t": 1e3},
-    "kg m^2": {"kg m^2": 1.0},
-    "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2},
-    "N/m": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3},
-    "N s/m": {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3},
-    "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": 9.80665},
-    "N": {"N": 1.0, "kN": 1e3},
+    "kg": {"kg": 1.0, "t": 1e3, "lb": _LB},
+    "kg m^2": {"kg m^2": 1.0, "lb ft^2": _LB * (12.0 * _IN) ** 2},
+    "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": _IN, "ft": 12.0 * _IN},
+    "N/m": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "lbf/in": _LB * _G / _IN},
+    "N s/m": {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3, "lbf s/in": _LB * _G / _IN},
+    "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": _G},
+    "N": {"N": 1.0, "kN": 1e3, "lbf": _LB * _G},
     "rad/s^2": {"rad/s^2": 1.0, "deg/s^2": math.pi / 180.0},
     "W": {"W": 1.0, "kW": 1e3},
-    "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6},
-    "m^3": {"m^3": 1.0},
-    "cycle/m": {"cycle/m": 1.0},
+    "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704},
+    "m^3": {"m^3": 1.0, "cm^3": 1e-6},
+    "cycle/m": {"cycle/m": 1.0, "rad/m": 0.5 / math.pi},
+    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+    "Hz": {"Hz": 1.0, "rad/s": 0.5 / math.pi},
 }
-"""For each SI unit, the units that a file may state, and how much of the SI unit one of them is."""
+"""For each SI unit, the units that people may state in its place, and how much of the SI unit one of them is."""
 
 CORNERS = {"fr": "front right", "fl": "front left", "rr": "rear right", "rl": "rear left"}
 """Corners of a car, in the order of every result."""
@@ -174,7 +188,7 @@ def units_of(unit: str) -> dict[str, float]:
     --------
     >>> from susp_ss.quantities import units_of
     >>> units_of("kg"), units_of("N m/rad")
-    ({'kg': 1.0, 't': 1000.0}, {'N m/rad': 1.0})
+    ({'kg': 1.0, 't': 1000.0, 'lb': 0.45359237}, {'N m/rad': 1.0})
     """
     return UNITS.get(unit, {unit: 1.0})
 

@@ -206,8 +206,13 @@ def test_a_tuned_input_is_not_tuned_twice(tmp_path, quick):
 GOOD = "ks,cs,bacc\n18e3,1500,1\n20e3,1400,1.1\n22e3,1300,1\n19e3,1250,0.9\n"
 
 BAD = [
-    (GOOD.replace("e3", ""), (), "line 2, column 'ks': 18 N/m where the cheap model has 1.855e+04 N/m, over all"),
-    ("ks,cs,bacc\n18e3,1500,1e3\n20e3,1400,1e3\n22e3,1300,1e3\n19e3,1250,900\n", (), "line 2, column 'bacc': 1000"),
+    (GOOD.replace("e3", ""), (), "column 'ks': the median of ks, 19.5 N/m is outside the usual range of spring"),
+    ("ks,cs,bacc\n18e3,1500,1e3\n20e3,1400,1e3\n22e3,1300,1e3\n19e3,1250,900\n", (), "mean 1000 mm/s^2? State its"),
+    (
+        "ks,cs,sws\n18e3,1500,.9\n20e3,1400,.8\n22e3,1300,.7\n19e3,1250,.9\n",
+        (),
+        "line 2, column 'sws': 0.9 m where the cheap model has",
+    ),
     ("\n".join(GOOD.splitlines()[:4]), (), "3 different designs to fit are fewer than the 4 that 2 input"),
     (GOOD + "18e3,1500,1.1\n", (), "line 6"),
     (GOOD.replace("1400", "14oo"), (), "line 3, column 'cs'"),
@@ -227,7 +232,15 @@ BAD = [
 def test_bad_files_are_one_line_and_write_nothing(run, tmp_path, content, options, said):
     (tmp_path / "runs.csv").write_text(content)
     out = run(
-        "fit", tmp_path / "runs.csv", "--inputs", "ks,cs", "--outputs", "bacc", *options, "--out", tmp_path / "fit"
+        "fit",
+        tmp_path / "runs.csv",
+        "--inputs",
+        "ks,cs",
+        "--outputs",
+        "sws" if "sws" in content else "bacc",
+        *options,
+        "--out",
+        tmp_path / "fit",
     )
     assert out.code == 2
     assert out.err.startswith("susp-ss: error: ")
@@ -271,9 +284,9 @@ def test_command_line_from_runs_to_predictions(run, runs_file, tmp_path, quick):
         (("--at", "ks=1,cs=1", "--grid", "3"), "pass designs by --at"),
         (("--at", "ks=18000"), "--at needs a value for every input, missing: cs"),
         (("--at", "ks=18000,kz=3"), "--at: no input named 'kz', available: ks, cs"),
-        (("--at", "ks=soft,cs=3"), "--at ks must be a number"),
+        (("--at", "ks=soft,cs=3"), "--at ks: needs a number"),
         (("--grid", "ks=1:2,cs=3"), "--grid ks must be LO:HI:N"),
-        (("--grid", "x"), "--grid ks must be LO:HI:N"),
+        (("--grid", "x"), "--grid must be a whole number >= 1"),
     ],
 )
 def test_bad_designs(run, fitted, tmp_path, options, said):

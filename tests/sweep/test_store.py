@@ -18,7 +18,7 @@ import susp_ss.sweep.store
 from susp_ss.sweep import Swept, sweep
 from susp_ss.vehicles.files import models
 
-ROAD = ss.Road.iso8608("B", speed=20.0)
+ROAD = ss.DEFAULT_ROAD
 AXES = {"ks": np.linspace(12e3, 25e3, 8), "cs": np.linspace(800.0, 2200.0, 5)}
 
 # Of the eight springs two fit into a chunk.
@@ -402,7 +402,7 @@ WRONG = {
     "text": ((ss.QuarterCar(), ROAD, {"ks": ["a"]}), r"axes\['ks'\] must be a row"),
     "twice the same": ((ss.QuarterCar(), ROAD, {"ks": [1e4, 1e4]}), r"axes\['ks'\] must be a row of different"),
     "empty": ((ss.QuarterCar(), ROAD, {"ks": []}), "got an empty array"),
-    "negative": ((ss.QuarterCar(), ROAD, {"ks": [1e4, -1.0]}), r"QuarterCar\(ks=...\) must be > 0 N/m, got -1.0"),
+    "negative": ((ss.QuarterCar(), ROAD, {"ks": [1e4, -1.0]}), r"QuarterCar\(ks=...\) must be > 0 N/m, got -10000.0"),
     "array": ((ss.QuarterCar(mu=np.array([4.0, 5.0])), ROAD, AXES), r"QuarterCar\(mu=...\) .* a number, or an axis"),
     "waviness": ((ss.QuarterCar(), ss.Road(waviness=2.5), AXES), "waviness 2"),
     "method": ((ss.QuarterCar(), ROAD, AXES, "time"), "method of a sweep must be one of covariance, spectral"),
@@ -435,7 +435,21 @@ def test_command_equals_the_library(run, store, undisturbed):
     assert "40 designs in 4 chunks, 0 of them finished before; 40 designs computed" in err
     assert files(store) == undisturbed()
     code, out, err = run("sweep", *LINE, store)
-    assert (code, err) == (0, f"{store}: 40 designs in 4 chunks, 4 of them finished before\n")
+    scenario = f"QuarterCar; {ROAD.describe()}"
+    assert (code, err) == (0, f"{scenario}\n{store}: 40 designs in 4 chunks, 4 of them finished before\n")
+
+
+def test_axes_of_some_wheels_keep_the_others(tmp_path):
+    car = ss.FullCar(ks=ss.Corners.axles(front=18e3, rear=21e3))
+    sweep(car, ROAD, {"ks_rear": [20e3, 22e3], "cs_fl": [1e3, 2e3]}, tmp_path / "out.zarr")
+    cs = ss.Corners(fr=1516.5, fl=2e3, rr=1516.5, rl=1516.5)
+    one = ss.ride_metrics(dataclasses.replace(car, ks=ss.Corners.axles(front=18e3, rear=22e3), cs=cs), ROAD)
+    swept = xr.open_zarr(tmp_path / "out.zarr").sel(ks_rear=22e3, cs_fl=2e3, drop=True)
+    xr.testing.assert_allclose(swept, one, rtol=1e-12)
+    with pytest.raises(ValueError, match=r"ks would give fr, fl, rr, rl one value .* set ks_front, ks_rear, ks_fr"):
+        sweep(car, ROAD, {"ks": [20e3, 22e3]}, tmp_path / "flat.zarr")
+    with pytest.raises(ValueError, match="axes ks_rear and ks_left both set ks at rl"):
+        sweep(ss.FullCar(), ROAD, {"ks_rear": [2e4, 3e4], "ks_left": [2e4, 3e4]}, tmp_path / "two.zarr")
 
 
 def test_command_with_files_and_more(run, tmp_path):
@@ -466,18 +480,18 @@ REFUSED = {
     "no range": ("--ks 2e4", "nothing to sweep", "LO:HI:N"),
     "nothing": ("", "nothing to sweep"),
     "two parts": ("--ks 1:2", "--ks must be LO:HI:N", "'1:2'"),
-    "text": ("--ks a:b:3", "--ks must be a number", "'a'"),
-    "text for a number": ("--ks soft", "--ks must be a number", "'soft'"),
+    "text": ("--ks a:b:3", "--ks: needs a number", "'a'"),
+    "text for a number": ("--ks soft", "--ks: needs a number", "'soft'"),
     "half a node": ("--ks 1:2:2.5", "--ks must be LO:HI:N with a whole number N"),
-    "no node": ("--ks 1:2:0", "--ks: N must be >= 1"),
+    "no node": ("--ks 1e4:2e4:0", "--ks: N must be >= 1"),
     "downwards": ("--cs 2000:1000:5", "--cs: LO must be below HI"),
     "one value twice": ("--cs 2000:2000:5", "--cs: LO must be below HI"),
-    "endless": ("--cs 2000:inf:5", "--cs must be a number", "'inf'"),
+    "endless": ("--cs 2000:inf:5", "--cs must be finite", "'inf'"),
     "unknown": ("--more kx=1:2:3", "--more kx: FullCar has no parameter 'kx', available: mb, ixx"),
     "of another model": ("--model quarter --more mb=1:2:3", "QuarterCar has no parameter 'mb', available: ms, mu"),
     "no equals": ("--more mb", "--more must be PARAM=LO:HI:N", "'mb'"),
-    "twice": ("--ks 1:2:3 --more ks=1:2:3", "--more ks: ks is given twice"),
-    "negative": ("--ks=-1:2:3", "FullCar(ks=...) must be > 0 N/m, got -1.0"),
+    "twice": ("--ks 1e4:2e4:3 --more ks=1e4:2e4:3", "--more ks: ks is given twice"),
+    "negative": ("--ks=-1e4:2e4:3", "ks=...) must be > 0 N/m, got -10000.0"),
     "a file": ("--ks 1e4:2e4:3 --store bad", "store bad exists and is not a store of a sweep"),
     "in a file": ("--ks 1e4:2e4:3 --store bad/out", "bad"),
     "unknown method": ("--ks 1e4:2e4:3 --method time", "covariance, spectral"),

@@ -39,7 +39,7 @@ def test_round_trip(vehicle, write):
 def test_every_digit_survives(vehicle, tmp_path_factory):
     path = tmp_path_factory.mktemp("car") / "car.toml"
     path.write_text(vehicle_text(vehicle))
-    assert values(read_vehicle(path)) == values(vehicle)
+    assert values(read_vehicle(path, trust_units=True)) == values(vehicle)
 
 
 @pytest.mark.parametrize("name", files.models())
@@ -83,7 +83,7 @@ def test_units_of_one_kind_are_one_quantity(value, kind, data, tmp_path_factory)
     path = tmp_path_factory.mktemp("car") / "car.toml"
     restated = value / UNITS[kind][unit]
     path.write_text(f'model = "full"\n[parameters]\n{name} = {{ value = {restated!r}, unit = "{unit}" }}')
-    assert math.isclose(getattr(read_vehicle(path), name), value, rel_tol=1e-14)
+    assert math.isclose(getattr(read_vehicle(path, trust_units=True), name), value, rel_tol=1e-14)
 
 
 def test_values_at_wheels(write):
@@ -112,7 +112,7 @@ REFUSED = {
     "unknown parameter": (f'{FULL}ms = {{ value = 1.0, unit = "kg" }}', "no parameter", "'ms'", "mb, ixx"),
     "no unit": (f"{FULL}ks = 18e3", "ks must state its unit", "N/m"),
     "unit missing": (f"{FULL}ks = {{ value = 18e3 }}", "ks.unit", "N/m, N/mm, kN/m", "got none"),
-    "unit unknown": (f'{FULL}ks = {{ value = 1.0, unit = "lbf/in" }}', "ks.unit", "N/mm", "'lbf/in'"),
+    "unit unknown": (f'{FULL}ks = {{ value = 1.0, unit = "kp/cm" }}', "ks.unit", "N/mm", "'kp/cm'"),
     "unit of another kind": (f'{FULL}ks = {{ value = 1.0, unit = "kg" }}', "ks.unit", "'kg'"),
     "unit not text": (f"{FULL}ks = {{ value = 1.0, unit = [1] }}", "ks.unit", "[1]"),
     "no value": (f'{FULL}ks = {{ unit = "N/m" }}', "ks must have value", "fr, fl, rr, rl", "got none"),
@@ -120,13 +120,13 @@ REFUSED = {
     "bool": (f'{FULL}ks = {{ value = true, unit = "N/m" }}', "ks.value must be a number", "True"),
     "array": (f'{FULL}ks = {{ value = [1.0, 2.0], unit = "N/m" }}', "ks.value must be a number"),
     "date": (f'{FULL}ks = {{ value = 2021-01-01, unit = "N/m" }}', "ks.value must be a number"),
-    "nan": (f'{FULL}ks = {{ value = nan, unit = "N/m" }}', "FullCar(ks=...)", "nan"),
-    "inf": (f'{FULL}ks = {{ value = inf, unit = "N/m" }}', "FullCar(ks=...)", "inf"),
+    "nan": (f'{FULL}ks = {{ value = nan, unit = "N/m" }}', "car.toml: ks must be", "nan"),
+    "inf": (f'{FULL}ks = {{ value = inf, unit = "N/m" }}', "car.toml: ks must be", "inf"),
     "too large": (f'{FULL}ks = {{ value = 1{"0" * 400}, unit = "N/m" }}', "ks.value must be a finite number"),
-    "zero mass": (f'{FULL}mb = {{ value = 0, unit = "kg" }}', "FullCar(mb=...)", "> 0 kg"),
+    "zero mass": (f'{FULL}mb = {{ value = 0, unit = "kg" }}', "car.toml: mb must be", "> 0 kg"),
     "negative damping at a corner": (
-        f'{FULL}cs = {{ fr = 1.0, fl = 1.0, rr = -1.0, rl = 1.0, unit = "N s/m" }}',
-        "FullCar(cs=...) at corner rr",
+        f'{FULL}cs = {{ fr = 900, fl = 900, rr = -900, rl = 900, unit = "N s/m" }}',
+        "cs at corner rr must be",
     ),
     "unknown corner": (f'{FULL}ks = {{ front = 1.0, unit = "N/m" }}', "'front'", "fr, fl, rr, rl"),
     "corner missing": (

@@ -22,9 +22,9 @@ def test_every_field_of_every_vehicle_is_checked(vehicle, name, zero):
         with pytest.raises(TypeError, match=where):
             vehicle(**{name: value})
     with pytest.raises(ValueError, match=where + r".* got nan at \(design=1\)"):
-        vehicle(**{name: [1.0, np.nan]})
+        vehicle(**{name: np.array([1.0, np.nan])})
     with pytest.raises(ValueError, match=where + ".*got an empty array"):
-        vehicle(**{name: []})
+        vehicle(**{name: np.array([])})
     if zero:
         vehicle(**{name: 0.0})
 
@@ -40,6 +40,10 @@ def test_messages_say_where():
 
 
 def test_values_in_the_wrong_form():
+    with pytest.raises(TypeError, match=r"FullCar\(mu=...\) got a list of 4, .* Corners\(.*numpy.array\("):
+        ss.FullCar(mu=[45.0, 45.0, 40.0, 40.0])
+    with pytest.raises(TypeError, match=r"RollHalfCar\(ks=...\) got a list of 2, .* \(first, second\)"):
+        ss.RollHalfCar(ks=[1e4, 2e4])
     with pytest.raises(ValueError, match=r"pass one value, or Corners\(fr=, fl=, rr=, rl=\)"):
         ss.FullCar(ks=(1e4, 2e4))
     with pytest.raises(ValueError, match=r"pass one value, or \(first, second\)"):

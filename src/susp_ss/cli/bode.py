@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from ..quantities import signal
+from ..quantities import Quantity, signal
 from .folder import check_folder, write_together
-from .options import Force, Json, built_from, names, print_table, vehicle_options
+from .options import Force, Json, built_from, measured, names, print_table, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from ..vehicles.vehicle import Vehicle
 
 TABLE, FIGURE = "bode.csv", "bode.png"
+
+FREQUENCY = Quantity("frequency", "Hz", "frequency", bound="> 0")
 
 
 @built_from(vehicle=vehicle_options())
@@ -41,8 +43,8 @@ def run(
             show_default="the first wheel",
         ),
     ] = None,
-    lowest: Annotated[float, typer.Option("--from", metavar="Hz", help="Lowest frequency.")] = 0.1,
-    highest: Annotated[float, typer.Option("--to", metavar="Hz", help="Highest frequency.")] = 50.0,
+    lowest: Annotated[str, typer.Option("--from", metavar="Hz", help="Lowest frequency.")] = "0.1",
+    highest: Annotated[str, typer.Option("--to", metavar="Hz", help="Highest frequency.")] = "50",
     points: Annotated[int, typer.Option(metavar="N", help="Frequencies, evenly on a log scale.")] = 500,
     out: Annotated[
         Path | None,
@@ -64,14 +66,15 @@ def run(
 
     from .. import frequency_response
 
-    if not 0.0 < lowest < highest < float("inf"):
-        raise Refusal(f"--from and --to must be 0 < from < to in Hz, got {lowest:g} and {highest:g}")
+    low, high = measured("--from", lowest, FREQUENCY, True), measured("--to", highest, FREQUENCY, True)
+    if not 0.0 < low < high < float("inf"):
+        raise Refusal(f"--from and --to must be 0 < from < to in Hz, got {low:g} and {high:g}")
     if points < 2:
         raise Refusal(f"--points must be >= 2, got {points}")
     if out is not None:
         check_folder(out, (TABLE, FIGURE), force)
     with refusals():
-        response = frequency_response(vehicle, np.geomspace(lowest, highest, points))
+        response = frequency_response(vehicle, np.geomspace(low, high, points))
     first = next(iter(vehicle.wheels))
     wanted = {
         "output": names(output) if output else tuple(signal(kind, first) for kind in ("bacc", "sws", "dtl")),

@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from .folder import check_result
-from .options import Force, Json, built_from, names, road_from_options, vehicle_options
+from .options import Force, Json, TrustUnits, built_from, names, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -80,9 +80,7 @@ def run(
     learning_curve: Annotated[
         bool, typer.Option("--learning-curve", help="Also fit to fewer runs each, to see how many were needed.")
     ] = False,
-    trust_units: Annotated[
-        bool, typer.Option("--trust-units", help="Take outputs that are orders of magnitude from the cheap model's.")
-    ] = False,
+    trust_units: TrustUnits = False,
     seed: Annotated[int, typer.Option(metavar="N", help="Of folds, held-out runs and Kriging.")] = 0,
     out: Annotated[
         Path | None,

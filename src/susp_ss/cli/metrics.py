@@ -7,8 +7,9 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from ..quantities import Quantity
 from .documents import json_number, road_document
-from .options import Json, built_from, print_table, road_from_options, vehicle_options
+from .options import Json, built_from, measured, print_table, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 
     from ..roads.road import Road
     from ..vehicles.vehicle import Vehicle
+
+TIME = Quantity("time", "s", "time", bound="> 0")
 
 
 @built_from(vehicle=vehicle_options(), road=road_from_options)
@@ -31,7 +34,7 @@ def run(
         ),
     ] = "covariance",
     duration: Annotated[
-        float | None,
+        str | None,
         typer.Option(metavar="s", help="Length of the record, with --method time.", show_default="600"),
     ] = None,
     seed: Annotated[
@@ -58,7 +61,8 @@ def run(
     if template:
         typer.echo(vehicle_text(vehicle))
         return
-    record = {name: value for name, value in (("duration", duration), ("seed", seed)) if value is not None}
+    length = None if duration is None else measured("--duration", duration, TIME, True)
+    record = {name: value for name, value in (("duration", length), ("seed", seed)) if value is not None}
     if record and method != "time":
         raise Refusal(f"--{next(iter(record))} belongs to --method time, got --method {method}")
     with refusals(), Console(stderr=True).status("computing"):

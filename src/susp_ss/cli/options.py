@@ -11,7 +11,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from ..quantities import PARAMETERS, ROAD
+from ..quantities import CORNERS, GROUPS, PARAMETERS, ROAD, Quantity, signal
+from ..units import implausible, in_si, likely, split_unit, stated
 from ..vehicles import MODELS
 from .refusals import Refusal, refusals
 
@@ -27,19 +28,19 @@ def built_from(**builders: Callable[..., Any]) -> Callable[[Callable[..., None]]
     """Give a command the options of the functions that build its arguments.
 
     ``@built_from(road=road_from_options)`` replaces the command's parameter ``road`` on the command line by the
-    parameters of ``road_from_options``, and passes what that returns.
+    parameters of ``road_from_options``, and passes what that returns. What several of them name is one option.
     """
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         options = {name: inspect.signature(builder).parameters for name, builder in builders.items()}
-        own = [p for name, p in inspect.signature(command).parameters.items() if name not in builders]
-        shared = [p for parameters in options.values() for p in parameters.values()]
+        own = {name: p for name, p in inspect.signature(command).parameters.items() if name not in builders}
+        shared = {name: p for parameters in options.values() for name, p in parameters.items()}
 
         def run(**given: Any) -> None:
-            arguments = {name: builders[name](**{key: given.pop(key) for key in options[name]}) for name in builders}
-            command(**arguments, **given)
+            arguments = {name: builders[name](**{key: given[key] for key in options[name]}) for name in builders}
+            command(**arguments, **{name: given[name] for name in own})
 
-        keyword_only = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in (*shared, *own)]
+        keyword_only = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in (shared | own).values()]
         run.__signature__ = inspect.Signature(keyword_only)  # type: ignore[attr-defined]
         run.__doc__ = command.__doc__
         return run
@@ -47,9 +48,21 @@ def built_from(**builders: Callable[..., Any]) -> Callable[[Callable[..., None]]
     return decorate
 
 
+TrustUnits = Annotated[
+    bool,
+    typer.Option(
+        "--trust-units", help="Take numbers that no road vehicle or road has, or that are far from the cheap model's."
+    ),
+]
+
+
 def vehicle_options(
-    option: str = "model", default: str = "full", meaning: str = "The model", without: Sequence[str] = ()
-) -> Callable[..., "Vehicle"]:
+    option: str = "model",
+    default: str = "full",
+    meaning: str = "The model",
+    without: Sequence[str] = (),
+    ranges: bool = False,
+) -> Callable[..., Any]:
     """Return what makes the vehicle that a file and options describe, an option for every parameter there is.
 
     Parameters
@@ -58,26 +71,55 @@ def vehicle_options(
         Name of the option that chooses the model, what it is without, and its help.
     without : sequence of str
         Parameters that have no option here.
+    ranges : bool
+        Whether a parameter may be a range ``LO:HI:N``; what is made is then the vehicle and the values by parameter.
     """
 
-    def build(**given: Any) -> "Vehicle":
-        return _vehicle(option, default, given.pop(option), given.pop("vehicle"), given)
+    def build(*, trust_units: bool = False, **given: Any) -> Any:
+        car = _vehicle(option, default, given.pop(option), given.pop("vehicle"), trust_units)
+        more = [setting.partition("=") for setting in given.pop("more", None) or ()]
+        for name, equals, _ in more:
+            if not equals:
+                raise Refusal(f"--more must be PARAM=LO:HI:N, such as mu=40:50:11, got {name!r}")
+            if given.get(name) is not None or [other for other, *_ in more].count(name) > 1:
+                raise Refusal(f"--more {name}: {name} is given twice")
+        texts = {name: (flag(name), text) for name, text in given.items() if text is not None}
+        texts |= {name: (f"--more {name}", text) for name, _, text in more}
+        for name, (where, _) in texts.items():
+            _refuse_unknown(car, name, where)
+        of = {name: car.quantities()[car.settings()[name][0]] for name in texts}
+        axes = {
+            name: nodes(where, text, of[name], trust_units)
+            for name, (where, text) in texts.items()
+            if ranges and ":" in text
+        }
+        fixed = {
+            name: measured(where, text, of[name], trust_units)
+            for name, (where, text) in texts.items()
+            if name not in axes
+        }
+        with refusals():
+            car = car.replaced(**fixed)
+        return (car, axes) if ranges else car
 
     def optional(name: str, kind: Any, **shown: Any) -> inspect.Parameter:
         annotation = Annotated[kind, typer.Option(rich_help_panel="Vehicle", **shown)]
         return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
 
-    parameters = [
-        optional(
-            name,
-            float | None,
-            metavar=quantity.unit,
-            help=f"{quantity.meaning.capitalize()}{', each wheel' if quantity.dim else ''}.",
-            show_default=False,
-        )
-        for name, quantity in PARAMETERS.items()
-        if name not in without
-    ]
+    def value(name: str, quantity: Quantity, where: str, hidden: bool = False) -> inspect.Parameter:
+        said = f"{quantity.meaning.capitalize()}{where}."
+        metavar = f"{quantity.unit} or LO:HI:N" if ranges else quantity.unit
+        return optional(name, str | None, metavar=metavar, help=said, show_default=False, hidden=hidden)
+
+    parameters = []
+    for name, quantity in PARAMETERS.items():
+        if name not in without:
+            parameters.append(value(name, quantity, ", each wheel" if quantity.dim else ""))
+            if quantity.dim:
+                shown = {place: f" of the {place} wheels" for place in ("front", "rear")}
+                others = (place for place in (*CORNERS, "f", "r", "l", *GROUPS) if place not in shown)
+                parameters += [value(signal(name, place), quantity, where) for place, where in shown.items()]
+                parameters += [value(signal(name, place), quantity, "", hidden=True) for place in others]
     model = optional(
         option,
         str | None,
@@ -90,37 +132,44 @@ def vehicle_options(
         Path | None,
         metavar="FILE",
         help="TOML file of a vehicle, as susp-ss metrics --template prints it. The options below override its values, "
-        "or the model's defaults.",
+        "or the model's defaults. Numbers may state their unit, 24N/mm; --ks-rl and the like set one wheel.",
         show_default=False,
     )
-    build.__signature__ = inspect.Signature([model, file, *parameters])  # type: ignore[attr-defined]
+    more = inspect.Parameter("more", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=More)
+    trust = inspect.Parameter("trust_units", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=TrustUnits)
+    build.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [model, file, *parameters, *([more] if ranges else []), trust]
+    )
     return build
 
 
-def _vehicle(option: str, default: str, model: str | None, file: Path | None, given: dict[str, Any]) -> "Vehicle":
+More = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="PARAM=LO:HI:N",
+        help="Values of a parameter, as its own option takes them; may be repeated.",
+        show_default=False,
+    ),
+]
+
+
+def _vehicle(option: str, default: str, model: str | None, file: Path | None, trust_units: bool) -> "Vehicle":
     from ..vehicles.files import model_name, model_named, read_vehicle
 
     with refusals():
-        car = model_named(default if model is None else model)() if file is None else read_vehicle(file)
+        if file is None:
+            return model_named(default if model is None else model)()
+        car = read_vehicle(file, trust_units)
         if model is not None and type(car) is not model_named(model):
             raise Refusal(f"{flag(option)} {model}, but {file} holds the model {model_name(car)!r}")
-    values = {name: value for name, value in given.items() if value is not None}
-    for name in values:
-        refuse_unknown(car, name, flag(name))
-    with refusals():
-        return dataclasses.replace(car, **values)
+        return car
 
 
-def refuse_unknown(car: "Vehicle", name: str, where: str) -> None:
-    """Refuse a parameter that a vehicle does not have.
-
-    Raises
-    ------
-    Refusal
-    """
-    known = car.quantities()
-    if name not in known:
-        raise Refusal(f"{where}: {type(car).__name__} has no parameter {name!r}, available: {', '.join(known)}")
+def _refuse_unknown(car: "Vehicle", name: str, where: str) -> None:
+    if name not in car.settings():
+        raise Refusal(
+            f"{where}: {type(car).__name__} has no parameter {name!r}, available: {', '.join(car.quantities())}"
+        )
 
 
 def _road(metavar: str, meaning: str, default: str = "") -> Any:
@@ -131,18 +180,14 @@ def road_from_options(
     road_class: Annotated[
         str | None, _road("A-H", "ISO 8608 class, by its geometric mean roughness.", default="B")
     ] = None,
-    roughness: Annotated[float | None, _road(ROAD["roughness"].unit, "G_d(0.1 cycle/m), in place of a class.")] = None,
-    speed: Annotated[float | None, _road(ROAD["speed"].unit, "Speed.", default="20")] = None,
-    waviness: Annotated[float | None, _road("W", "Exponent of the spectrum, 1 to 4.", default="2")] = None,
-    cutoff: Annotated[float | None, _road(ROAD["cutoff"].unit, "Low-wavenumber cut-off.", default="0")] = None,
+    roughness: Annotated[str | None, _road(ROAD["roughness"].unit, "G_d(0.1 cycle/m), in place of a class.")] = None,
+    speed: Annotated[str | None, _road(ROAD["speed"].unit, "Speed; also 72km/h.", default="20")] = None,
+    waviness: Annotated[str | None, _road("W", "Exponent of the spectrum, 1 to 4.", default="2")] = None,
+    cutoff: Annotated[str | None, _road(ROAD["cutoff"].unit, "Low-wavenumber cut-off.", default="0")] = None,
     tracks: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME",
-            help="How left and right relate: identical, independent or isotropic.",
-            rich_help_panel="Road",
-        ),
-    ] = "identical",
+        str | None,
+        _road("NAME", "How left and right relate: identical, independent or isotropic.", default="isotropic"),
+    ] = None,
     delay: Annotated[
         bool,
         typer.Option(
@@ -154,17 +199,26 @@ def road_from_options(
     wheels: Annotated[
         str | None, _road("NAME,...", "Only these wheels meet the road, the others a flat one.", default="all")
     ] = None,
+    trust_units: TrustUnits = False,
 ) -> "Road":
-    """Make the road that the options describe."""
-    from ..roads.road import Road
+    """Make the road that the options describe; what they leave open is the default road's."""
+    from ..roads.road import DEFAULT_ROAD, Road
 
     if road_class is not None and roughness is not None:
         raise Refusal("--road-class and --roughness are two ways to say one thing; pass one of them")
+    texts = {"roughness": roughness, "speed": speed, "cutoff": cutoff}
+    given: dict[str, Any] = {
+        name: measured(flag(name), text, ROAD[name], trust_units) for name, text in texts.items() if text is not None
+    }
+    if waviness is not None:
+        given["waviness"] = number("--waviness", waviness)
+    if tracks is not None:
+        given["tracks"] = tracks
     only = None if wheels is None else names([wheels])
-    numbers = {"speed": speed, "waviness": waviness, "cutoff": cutoff, "roughness": roughness}
-    given: Any = {name: value for name, value in numbers.items() if value is not None} | {"tracks": tracks}
     with refusals():
-        road = Road.iso8608("B" if road_class is None else road_class)
+        road = DEFAULT_ROAD
+        if road_class is not None:
+            road = dataclasses.replace(road, roughness=Road.iso8608(road_class).roughness)
         return dataclasses.replace(road, **given, delay=delay, wheels=only)
 
 
@@ -187,14 +241,27 @@ def names(given: list[str]) -> tuple[str, ...]:
     return tuple(name.strip() for text in given for name in text.split(",") if name.strip())
 
 
-def nodes(where: str, text: str) -> "NDArray[np.float64]":
-    """Values of ``LO:HI:N``, or a refusal that says where."""
+def nodes(where: str, text: str, quantity: Quantity, trust_units: bool = False) -> "NDArray[np.float64]":
+    """Values of ``LO:HI:N`` in SI units, or a refusal that says where."""
+    low, high, count = range_parts(where, text)
+    ends = measured(where, low, quantity, trust_units), measured(where, high, quantity, trust_units)
+    return spaced(where, text, *ends, count)
+
+
+def range_parts(where: str, text: str) -> tuple[str, str, int]:
+    """The parts of ``LO:HI:N``, a unit at one end given to both."""
+    low, high, count = (part.strip() for part in text.split(":")) if text.count(":") == 2 else ("", "", "")
+    if not count.isdecimal():
+        raise Refusal(f"{where} must be LO:HI:N with a whole number N, such as 12e3:25e3:100, got {text!r}")
+    units = [_split(where, end)[1] for end in (low, high)]
+    low, high = (end + ("" if own else other) for end, own, other in zip((low, high), units, units[::-1], strict=True))
+    return low, high, int(count)
+
+
+def spaced(where: str, text: str, low: float, high: float, count: int) -> "NDArray[np.float64]":
+    """N values from LO to HI, evenly."""
     import numpy as np
 
-    parts = text.split(":")
-    if len(parts) != 3 or not parts[2].strip().isdecimal():
-        raise Refusal(f"{where} must be LO:HI:N with a whole number N, such as 12e3:25e3:100, got {text!r}")
-    low, high, count = number(where, parts[0]), number(where, parts[1]), int(parts[2])
     if count < 1:
         raise Refusal(f"{where}: N must be >= 1, got {text!r}")
     if not low <= high or (low == high and count > 1):
@@ -202,12 +269,41 @@ def nodes(where: str, text: str) -> "NDArray[np.float64]":
     return np.linspace(low, high, count)
 
 
-def number(where: str, text: str) -> float:
-    """A finite number, or a refusal that says where."""
+def measured(where: str, text: str, quantity: Quantity, trust_units: bool = False) -> float:
+    """A number with or without a unit in SI units, or a refusal that says where."""
     try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise Refusal(f"{where} must be a number, or a range LO:HI:N of numbers, got {text!r}")
-    return number
+        value = stated(text, quantity)
+    except ValueError as error:
+        raise Refusal(f"{where}: {error}") from error
+    if not math.isfinite(value.number):
+        raise Refusal(f"{where} must be finite, got {text!r}")
+    far = "" if trust_units else implausible(value, quantity)
+    if far:
+        meant = likely(value, quantity)
+        stating = f"State the unit, {where} {meant.number:g}{meant.unit}, or pass" if meant else "Pass"
+        raise Refusal(f"{where}: {far} {stating} --trust-units to take it as it is")
+    return in_si(value, quantity)
+
+
+def number(where: str, text: str) -> float:
+    """A finite number without a unit, or a refusal that says where."""
+    value, unit = _split(where, text)
+    if unit:
+        raise Refusal(f"{where} has no unit, got {text!r}")
+    if not math.isfinite(value):
+        raise Refusal(f"{where} must be finite, got {text!r}")
+    return value
+
+
+def whole(where: str, text: str, least: int) -> int:
+    """A whole number, or a refusal that says where."""
+    if not text.strip().isdecimal() or int(text) < least:
+        raise Refusal(f"{where} must be a whole number >= {least}, got {text!r}")
+    return int(text)
+
+
+def _split(where: str, text: str) -> tuple[float, str]:
+    try:
+        return split_unit(text)
+    except ValueError as error:
+        raise Refusal(f"{where}: {error}") from error

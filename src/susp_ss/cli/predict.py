@@ -8,11 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
+from ..quantities import Quantity, quantity_of, titled
+from ..units import factor_of
 from .folder import write_together
-from .options import Json, names, nodes, number, print_table
+from .options import measured, names, number, print_table, range_parts, spaced, whole
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import pandas as pd
 
     from ..fit.surrogate_file import SuspensionSurrogate
@@ -27,7 +31,8 @@ def run(
         list[str] | None,
         typer.Option(
             metavar="NAME=VALUE,...",
-            help="One design, a value for every input: ks=18000,cs=1500; may be repeated.",
+            help="One design, a value for every input, in the units of the fit or with its own: ks=18N/mm,cs=1500; may "
+            "be repeated.",
             show_default=False,
         ),
     ] = None,
@@ -45,12 +50,12 @@ def run(
         typer.Option(metavar="FILE", help="Write all designs to this CSV file.", show_default=False),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")] = False,
-    as_json: Json = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, with its units, in place of a table.")] = False,
 ) -> None:
     """Predict what an expensive model would give, by a surrogate fitted to it.
 
     Prints every output, with its predictive standard deviation where the
-    surrogate has one, in the units of the fit (SI), and says which designs lie
+    surrogate has one, in the units of the runs of the fit, and says which designs lie
     outside the runs of the fit: of the error there nothing is known. Few smooth
     runs make the standard deviation too small; the fit's report tells how often
     it held.
@@ -69,7 +74,10 @@ def run(
     with refusals(), warnings.catch_warnings():
         # The column outside says it, design by design.
         warnings.simplefilter("ignore", ExtrapolationWarning)
-        table = designs.join(fitted.predict(designs, return_std=True)).assign(outside=fitted.outside(designs))
+        table = designs.join(fitted.predict(designs, return_std=True))
+    for name in table:
+        table[name] /= _scale(fitted, str(name).removesuffix("_std"))[1]
+    table["outside"] = fitted.outside(designs)
     if out is not None:
         with refusals():
             write_together(out.parent, {out.name: lambda path: table.to_csv(path, index=False)})
@@ -79,25 +87,49 @@ def run(
         _print(fitted, table)
 
 
+def _scale(fitted: "SuspensionSurrogate", name: str) -> tuple[str, float]:
+    """The unit in which the runs of the fit stated an input or output, and how much of the SI unit it is."""
+    own = {**fitted.inputs, **fitted.outputs}[name]
+    quantity, unit = quantity_of(name), fitted.stated.get(name, own)
+    return unit, (factor_of(unit, quantity) if quantity else None) or 1.0
+
+
+def _value(fitted: "SuspensionSurrogate", option: str, name: str, text: str) -> float:
+    """A number in SI units; without a unit it is in the fit's."""
+    unit, factor = _scale(fitted, name)
+    if text.strip()[-1:].isdigit() or text.strip().endswith("."):
+        return number(f"{option} {name}", text) * factor
+    return measured(f"{option} {name}", text, quantity_of(name) or Quantity(name, unit, name), True)
+
+
 def _designs(fitted: "SuspensionSurrogate", at: list[str]) -> "pd.DataFrame":
     import pandas as pd
 
-    rows = [{name: number(f"--at {name}", text) for name, text in _settings(fitted, "--at", one).items()} for one in at]
+    settings = [_settings(fitted, "--at", one) for one in at]
+    rows = [{name: _value(fitted, "--at", name, text) for name, text in design.items()} for design in settings]
     return pd.DataFrame(rows, columns=list(fitted.inputs))
 
 
 def _grid(fitted: "SuspensionSurrogate", text: str) -> "pd.DataFrame":
+    import numpy as np
     import pandas as pd
 
     if "=" in text:
         settings = _settings(fitted, "--grid", text)
+        axes = [_axis(fitted, name, settings[name]) for name in fitted.inputs]
     else:
-        settings = {name: f"{low!r}:{high!r}:{text}" for name, (low, high) in fitted.box.items()}
-    axes = [
-        nodes(f"--grid {name}", settings[name]) if ":" in settings[name] else [number(f"--grid {name}", settings[name])]
-        for name in fitted.inputs
-    ]
+        count = whole("--grid", text, 1)
+        axes = [np.linspace(*fitted.box[name], count).tolist() for name in fitted.inputs]
     return pd.MultiIndex.from_product(axes, names=list(fitted.inputs)).to_frame(index=False)
+
+
+def _axis(fitted: "SuspensionSurrogate", name: str, text: str) -> "Sequence[float]":
+    """Values of an input of a grid, one or a range, in SI units."""
+    if ":" not in text:
+        return [_value(fitted, "--grid", name, text)]
+    low, high, count = range_parts(f"--grid {name}", text)
+    ends = (_value(fitted, "--grid", name, low), _value(fitted, "--grid", name, high))
+    return list(spaced(f"--grid {name}", text, *ends, count))
 
 
 def _settings(fitted: "SuspensionSurrogate", option: str, text: str) -> dict[str, str]:
@@ -120,17 +152,15 @@ def _settings(fitted: "SuspensionSurrogate", option: str, text: str) -> dict[str
 
 def _document(fitted: "SuspensionSurrogate", table: "pd.DataFrame") -> dict[str, Any]:
     return {
-        "units": {**fitted.inputs, **fitted.outputs},
+        "units": {name: _scale(fitted, name)[0] for name in (*fitted.inputs, *fitted.outputs)},
         "designs": table.to_dict("records"),
     }
 
 
 def _print(fitted: "SuspensionSurrogate", table: "pd.DataFrame") -> None:
-    units = {**fitted.inputs, **fitted.outputs}
     shown = Table()
-    for name in table.drop(columns="outside"):
-        unit = units.get(str(name), units.get(str(name).removesuffix("_std"), ""))
-        shown.add_column(f"{name} ({unit})" if unit else str(name), justify="right")
+    for name in map(str, table.drop(columns="outside")):
+        shown.add_column(titled(name, _scale(fitted, name.removesuffix("_std"))[0]), justify="right")
     if table.outside.any():
         shown.add_column("")
     for row in table.head(PRINTED).itertuples(index=False):

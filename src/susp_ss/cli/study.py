@@ -1,6 +1,5 @@
 """``susp-ss study``: the feasibility study, and the scan over scenarios."""
 
-import functools
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,21 +7,53 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
+from ..quantities import PARAMETERS, Quantity
 from .folder import check_result
-from .options import Force, Json, built_from, flag, road_from_options
+from .options import (
+    Force,
+    Json,
+    TrustUnits,
+    built_from,
+    flag,
+    measured,
+    range_parts,
+    road_from_options,
+    vehicle_options,
+)
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
     from ..roads.road import Road
+    from ..vehicles.vehicle import Vehicle
 
 
-@built_from(road=functools.partial(road_from_options, tracks="isotropic"))
+def _bounds(name: str) -> Any:
+    quantity = PARAMETERS[name]
+    meaning = (
+        f"{quantity.meaning.capitalize()} in {quantity.unit}, lowest and highest; at --corner, where corners differ."
+    )
+    low, high = {"ks": (12536, 24570), "cs": (798, 2235)}[name]
+    return typer.Option(metavar="LO:HI", help=meaning, show_default=f"{low}:{high}")
+
+
+@built_from(car=vehicle_options(without=("ks", "cs")), road=road_from_options)
 def run(
     context: typer.Context,
+    car: "Vehicle",
     road: "Road",
     corner: Annotated[
         str, typer.Option(metavar="NAME", help="Where the full car is measured: fr, fl, rr or rl.")
     ] = "fr",
+    ks_range: Annotated[str | None, _bounds("ks")] = None,
+    cs_range: Annotated[str | None, _bounds("cs")] = None,
+    low_fidelity: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="TOML file of the cheap car, on one wheel.",
+            show_default="the quarter car of --corner",
+        ),
+    ] = None,
     nodes: Annotated[
         int | None,
         typer.Option(metavar="N", help="Springs and dampers on the N x N grid.", show_default="20; 10 with --scan"),
@@ -49,14 +80,16 @@ def run(
         ),
     ] = None,
     force: Force = False,
+    trust_units: TrustUnits = False,
     figures: Annotated[bool, typer.Option("--figures/--no-figures", help="Whether FOLDER gets figures.")] = True,
     as_json: Json = False,
 ) -> None:
     """Tune a quarter car to a full car three ways, beside the published tables.
 
-    Springs from 12536 to 24570 N/m, dampers from 798 to 2235 N s/m. Root mean
-    squares of body acceleration (bacc, m/s^2), dynamic tyre load (dtl, N) and
-    suspension working space (sws, m).
+    Springs from 12536 to 24570 N/m, dampers from 798 to 2235 N s/m; or a car
+    of your own, --vehicle car.toml --ks-range 15e3:30e3 --cs-range 1e3:3e3,
+    beside which nothing is published. Root mean squares of body acceleration
+    (bacc, m/s^2), dynamic tyre load (dtl, N) and suspension working space (sws, m).
     """
     if scan:
         _refuse_fixed(context)
@@ -64,18 +97,33 @@ def run(
         return
 
     from ..study import Study, feasibility_study
+    from ..vehicles.files import read_vehicle
 
+    ranges = {
+        name: _range(flag(f"{name}_range"), text, PARAMETERS[name], trust_units)
+        for name, text in (("ks", ks_range), ("cs", cs_range))
+        if text is not None
+    }
+    with refusals():
+        cheap = None if low_fidelity is None else read_vehicle(low_fidelity, trust_units)
     if out is not None:
         check_result(out, Study, force)
     size = 20 if nodes is None else nodes
     with refusals(), Console(stderr=True).status("fitting the surrogates"):
-        study = feasibility_study(road, corner, (size, size), nonnegative)
+        study = feasibility_study(road, corner, (size, size), nonnegative, vehicle=car, low_fidelity=cheap, **ranges)
     if as_json:
         from ..presentation.documents import study_document
 
         _finish(study, out, force, figures, json.dumps(study_document(study), indent=2) + "\n")
     else:
         _finish(study, out, force, figures)
+
+
+def _range(where: str, text: str, quantity: Quantity, trust_units: bool) -> tuple[float, float]:
+    if text.count(":") != 1:
+        raise Refusal(f"{where} must be LO:HI, such as 12e3:25e3, got {text!r}")
+    low, high, _ = range_parts(where, f"{text}:2")
+    return measured(where, low, quantity, trust_units), measured(where, high, quantity, trust_units)
 
 
 def _finish(result: Any, out: Path | None, force: bool, figures: bool, text: str = "") -> None:

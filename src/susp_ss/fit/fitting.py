@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from ..quantities import whole_number
+from ..quantities import quantity_of, whole_number
 from ..responses.settings import settable
 from ..surrogates import (
     Accuracy,
@@ -34,6 +34,7 @@ from ..surrogates.learning import learning_curve_of_runs
 from ..surrogates.low_fidelity import evaluated
 from ..surrogates.regressor import Surrogate
 from ..surrogates.validation import Comparison, Validation, compare, held_out
+from ..units import Stated, factor_of, implausible
 from .formulas import formula
 from .low_fidelity import LowFidelity, LowFidelityResponse
 from .runs import Runs
@@ -110,6 +111,7 @@ class Fit:
             {name: output.model for name, output in self.outputs.items()},
             self.low_fidelity,
             {name: self._error(output) for name, output in self.outputs.items()},
+            {name: unit for name, unit in self.runs.stated.items() if quantity_of(name) and unit != units[name]},
         )
 
     def _error(self, output: OutputFit) -> dict[str, Any]:
@@ -280,7 +282,14 @@ def _check_enough(runs: Runs, held_out_runs: int) -> None:
 
 
 def _check_units(runs: Runs, low_fidelity: LowFidelity, cheap: dict[str, LowFidelityResponse | None]) -> None:
-    """Refuse what the cheap model is orders of magnitude from: the inputs' own values, and its own outputs."""
+    """Refuse what no road vehicle has, and what the cheap model is orders of magnitude from."""
+    for name, middle in pd.concat([runs.designs, runs.responses], axis=1).median().items():
+        quantity, unit = quantity_of(str(name)), runs.stated[str(name)]
+        factor = None if quantity is None else factor_of(unit, quantity)
+        far = "" if quantity is None or factor is None else implausible(Stated(middle / factor, unit), quantity)
+        if far:
+            where = runs.place(0, str(name)).replace(f", {runs.row_word} {runs.rows[0]}", "")
+            raise ValueError(f"{where}: the median of {name}, {far} State its unit, or trust the units")
     for name in map(str, runs.designs):
         own = low_fidelity.own(name)
         if own:

@@ -25,15 +25,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..quantities import KNOWN, UNITS, Quantity, quantity_of, units_of
+from ..units import DECIMAL_COMMA, NUMBER, factor_of, plain_unit
 from ..vehicles.files import models, utf8_text
 
 NAMES = {name: quantity for model in models().values() for name, quantity in model.quantities().items()} | KNOWN
 """Parameters of vehicles and roads, and metrics, which are root mean squares or mean powers."""
 
 UNKNOWN = Quantity("", "", "")
-
-NUMBER = re.compile(r"[+-]?(([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?|nan|inf|infinity)", re.IGNORECASE)
-DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(e[+-]?[0-9]+)?", re.IGNORECASE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,9 +95,9 @@ def read_runs(
         ``dtl``, ``pitch_acc``, ``roll_acc``, ``damper_power``) are known, also with a place behind the name, such as
         ``ks_rear``, ``sws_rr``, ``bacc_cg``. Any other name is taken as it is.
     units : mapping of str to str, optional
-        Unit of a name's column, one of `UNITS`; without it, the unit that the file states, in the line after the
-        header or in a NetCDF variable's attribute ``units``; without either, the SI unit. A line of units holds a
-        unit or nothing in each column asked for. The unit of a name that is not known is kept as text.
+        Unit of a column, by its name here or its own, one of `UNITS`; without it, the unit that the file states, in the
+        line after the header or in a NetCDF variable's attribute ``units``; without either, the SI unit. A line of
+        units holds a unit or nothing in each column asked for. The unit of a name that is not known is kept as text.
 
     Returns
     -------
@@ -129,8 +127,8 @@ def read_runs(
     >>> runs.place(0, "ks").removeprefix(str(path.parent) + "/")
     "runs.csv, line 3, column 'K_S'"
     """
-    path, given, columns = Path(path), dict(units or {}), {**inputs, **outputs}
-    _check_asked(inputs, outputs, given)
+    path, columns = Path(path), {**inputs, **outputs}
+    given = _check_asked(inputs, outputs, units or {})
     if path.suffix.lower() not in READERS:
         raise ValueError(f"{path}: runs are read from {', '.join(READERS)} files, got {path.suffix or 'no suffix'!r}")
     table = READERS[path.suffix.lower()](path, inputs, outputs)
@@ -147,7 +145,8 @@ def read_runs(
     return runs
 
 
-def _check_asked(inputs: Mapping[str, str], outputs: Mapping[str, str], units: Mapping[str, str]) -> None:
+def _check_asked(inputs: Mapping[str, str], outputs: Mapping[str, str], units: Mapping[str, str]) -> dict[str, str]:
+    """Units by name, as they may be stated by column; what is asked for must be there, and once only."""
     for what, names in (("inputs", inputs), ("outputs", outputs)):
         if not names:
             raise ValueError(f"{what} must name at least one column, got none")
@@ -158,9 +157,16 @@ def _check_asked(inputs: Mapping[str, str], outputs: Mapping[str, str], units: M
         if column in users:
             raise ValueError(f"column {column!r} is asked for twice, as {users[column]} and as {name}")
         users[column] = name
-    for name in units:
-        if name not in users.values():
-            raise ValueError(f"units: no input or output named {name!r}, available: {', '.join(users.values())}")
+    named: dict[str, str] = {}
+    for asked, unit in units.items():
+        found = asked if asked in users.values() else users.get(asked)
+        if found is None:
+            known = dict.fromkeys([*users.values(), *users])
+            raise ValueError(f"units: no input or output named {asked!r}, available: {', '.join(known)}")
+        if found in named:
+            raise ValueError(f"units: {found} is given twice, by its name and by its column")
+        named[found] = unit
+    return named
 
 
 # Files -> cells
@@ -217,10 +223,10 @@ def _stated(path: Path, line: int, columns: Mapping[str, str], cells: Mapping[st
     units = {
         name: cell
         for name, cell in filled.items()
-        if (_plain(cell) in SPELT if _quantity(name).unit else not _like_number(cell))
+        if (plain_unit(cell) in SPELT if _quantity(name).unit else not _like_number(cell))
     }
     other = next((name for name in filled if name not in units), None)
-    certain = next((name for name, cell in units.items() if _plain(cell) in SPELT), None)
+    certain = next((name for name, cell in units.items() if plain_unit(cell) in SPELT), None)
     if other is None:
         return units
     if certain is None:
@@ -320,16 +326,7 @@ def _quantity(name: str) -> Quantity:
     return quantity_of(name, NAMES) or UNKNOWN
 
 
-def _plain(unit: str) -> str:
-    """A unit without what people write differently: N.s/m, N*s/m, Ns/m and N s/m; m/s² and m/s2; N/(m/s); [mm]."""
-    text = re.sub(r"^\[(.*)\]$|^\((.*)\)$", r"\1\2", unit.strip())
-    text = text.replace("²", "2").replace("³", "3").replace("^", "")
-    text = re.sub(r"\s*/\s*", "/", text)
-    text = re.sub(r"/\((\w+)/(\w+)\)$", r"\2/\1", text)
-    return re.sub(r"(?<=\w)[\s.*·⋅-]+(?=[^\W\d])", "", text)
-
-
-SPELT = {_plain(unit) for units in UNITS.values() for unit in units}
+SPELT = {plain_unit(unit) for units in UNITS.values() for unit in units}
 
 
 def _units_of(name: str) -> str:
@@ -343,14 +340,15 @@ def _conversion(
     """Unit of each name in `Runs`, the factor that takes the file's numbers there, and the unit that these are in."""
     kept, factors, in_file = {}, {}, {}
     for name, column in columns.items():
-        unit = _quantity(name).unit
+        quantity = _quantity(name)
+        unit = quantity.unit
         stated = given[name] if name in given else table.units.get(name, unit)
-        known = {_plain(one): factor for one, factor in units_of(unit).items()} if unit else {_plain(stated): 1.0}
-        if _plain(stated) not in known:
+        factor = factor_of(stated, quantity) if unit else 1.0
+        if factor is None:
             where = f"units of {name}" if name in given else _place(path, column, table.units_row)
             raise ValueError(f"{where}: {name} is in {_units_of(name)}, got {stated!r}")
         kept[name] = unit or stated
-        factors[name] = known[_plain(stated)]
+        factors[name] = factor
         in_file[name] = stated
     return kept, factors, in_file
 

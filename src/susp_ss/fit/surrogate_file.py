@@ -17,9 +17,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from ..quantities import quantity_of
 from ..roads.road import Road
 from ..surrogates.numbers import from_numbers, to_numbers
 from ..surrogates.regressor import Surrogate
+from ..units import factor_of
 from ..vehicles.files import utf8_text, vehicle_of, vehicle_table
 from .low_fidelity import LowFidelity
 
@@ -43,6 +45,8 @@ class SuspensionSurrogate:
         The cheap model behind those that have one.
     accuracy : dict of str to dict, optional
         What is known of each output's error, plain numbers.
+    stated : dict of str to str, optional
+        Units in which the runs stated inputs and outputs, where these are not SI.
 
     Examples
     --------
@@ -62,6 +66,7 @@ class SuspensionSurrogate:
     models: dict[str, Surrogate]
     low_fidelity: LowFidelity
     accuracy: dict[str, dict[str, Any]] = field(default_factory=dict)
+    stated: dict[str, str] = field(default_factory=dict)
 
     def predict(self, designs: pd.DataFrame | Mapping[str, ArrayLike], return_std: bool = False) -> pd.DataFrame:
         """Predict every output at designs.
@@ -133,6 +138,7 @@ class SuspensionSurrogate:
             "version": VERSION,
             "susp_ss": __version__,
             "inputs": self.inputs,
+            "stated": self.stated,
             "low_fidelity": {
                 "vehicle": vehicle_table(cheap.vehicle),
                 "road": _road_table(cheap.road),
@@ -227,7 +233,9 @@ def load_surrogate(path: str | PathLike[str]) -> SuspensionSurrogate:
 
 def _restored(document: dict[str, Any]) -> SuspensionSurrogate:
     inputs, cheap, outputs = document["inputs"], document["low_fidelity"], document["outputs"]
-    low_fidelity = LowFidelity(vehicle_of(cheap["vehicle"]), Road(**cheap["road"]), cheap["place"], cheap["parameter"])
+    low_fidelity = LowFidelity(
+        vehicle_of(cheap["vehicle"], trust_units=True), Road(**cheap["road"]), cheap["place"], cheap["parameter"]
+    )
     columns = list(inputs)
     if not outputs:
         raise ValueError("it has no outputs")
@@ -246,7 +254,19 @@ def _restored(document: dict[str, Any]) -> SuspensionSurrogate:
         models,
         low_fidelity,
         {name: output["accuracy"] for name, output in outputs.items()},
+        _stated(document.get("stated", {}), {**inputs, **outputs}),
     )
+
+
+def _stated(units: Any, known: Mapping[str, Any]) -> dict[str, str]:
+    """Units that a file states for inputs and outputs, each one of its quantity's."""
+    if not isinstance(units, dict):
+        raise ValueError(f"stated must be units by name, got {units!r}")
+    for name, unit in units.items():
+        quantity = quantity_of(name)
+        if name not in known or quantity is None or not isinstance(unit, str) or factor_of(unit, quantity) is None:
+            raise ValueError(f"stated: {name!r} is in no unit {unit!r}")
+    return units
 
 
 def _refuse_constant(name: str) -> None:

@@ -10,6 +10,8 @@ import pandas as pd
 from ..fit.fitting import Fit
 from ..study.feasibility import Study
 from ..study.published import CRITERIA, SURROGATES
+from ..vehicles.files import models, vehicle_table
+from ..vehicles.vehicle import Vehicle
 from .versions import versions
 
 TITLE = "Feasibility study of surrogate model for the application of vehicle suspension system, 2021"
@@ -24,9 +26,14 @@ def study_document(study: Study) -> dict[str, Any]:
     return {
         "study": TITLE,
         "scenario": {
+            "vehicle": _vehicle(study.vehicle),
+            "low_fidelity": _vehicle(study.low_fidelity),
+            "as_published": study.as_published,
             "road": study.road.describe(),
             "corner": study.corner,
             "nodes": list(study.nodes),
+            "ks": study.responses.ks.values[[0, -1]].tolist(),
+            "cs": study.responses.cs.values[[0, -1]].tolist(),
             "nonnegative": study.nonnegative,
             "statistic": "root mean square",
         },
@@ -37,6 +44,11 @@ def study_document(study: Study) -> dict[str, Any]:
         "seconds": study.seconds,
         "versions": versions(),
     }
+
+
+def _vehicle(vehicle: Vehicle) -> dict[str, Any] | str:
+    """A vehicle as a file holds it; one of a kind that no file holds by its name."""
+    return vehicle_table(vehicle) if type(vehicle) in models().values() else type(vehicle).__name__
 
 
 def _nested(frame: pd.DataFrame) -> dict[str, Any]:

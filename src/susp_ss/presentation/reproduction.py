@@ -38,13 +38,16 @@ def study_code(study: Study) -> str:
     ss.save(study, 'results')
     """
     asked = {"road": study.road, "corner": study.corner, "nodes": study.nodes, "nonnegative": study.nonnegative}
+    if not study.as_published:
+        ranges = {name: tuple(study.responses[name].values[[0, -1]].tolist()) for name in ("ks", "cs")}
+        asked |= {"vehicle": study.vehicle, "low_fidelity": study.low_fidelity, **ranges}
     return "\n".join(
         ["import susp_ss as ss", "", f"study = {_call('feasibility_study', asked)}", "ss.save(study, 'results')"]
     )
 
 
 def study_command(study: Study) -> str | None:
-    r"""The command that runs a study again, if the command line can: it knows square grids only.
+    r"""The command that runs a study again, if the command line can: it knows square grids, and cars from files.
 
     Examples
     --------
@@ -58,7 +61,7 @@ def study_command(study: Study) -> str | None:
         --out results
     """
     road, (springs, dampers) = study.road, study.nodes
-    if springs != dampers:
+    if springs != dampers or not study.as_published:
         return None
     wheels = "" if road.wheels is None else f" --wheels {','.join(road.wheels)}"
     return " \\\n    ".join(

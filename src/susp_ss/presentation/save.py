@@ -137,7 +137,7 @@ def _study_figures(study: Study) -> Iterator[Figure]:
     for draw in (plots.response_surfaces, plots.error_map):
         for surrogate in SURROGATES:
             yield draw(study, surrogate)
-    yield plots.bode_magnitude(plots.study_curves(study.corner))
+    yield plots.bode_magnitude(plots.study_curves(study.corner, study.vehicle, study.low_fidelity))
 
 
 # A fit

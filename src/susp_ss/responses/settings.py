@@ -18,9 +18,10 @@ class Setting(NamedTuple):
 
 def settable(vehicle: Vehicle) -> dict[str, Setting]:
     """Every name that sets something of a vehicle and its road."""
-    known = {}
-    for name, quantity in vehicle.quantities().items():
-        known[name] = Setting(name, None, quantity)
-        if name in vehicle.per_corner:
-            known |= {signal(name, wheel): Setting(name, wheel, quantity) for wheel in vehicle.wheels}
+    quantities = vehicle.quantities()
+    known = {
+        name: Setting(field, None if name == field else wheels[0], quantities[field])
+        for name, (field, wheels) in vehicle.settings().items()
+        if name == field or name == signal(field, wheels[0])
+    }
     return known | {name: Setting(name, None, quantity) for name, quantity in ROAD.items()}

@@ -238,3 +238,11 @@ def _number(name: str, value: Any, need: str) -> float:
     if not np.isfinite(value):
         raise ValueError(f"Road({name}=...) must be finite and {need}, got {value!r}")
     return float(value)
+
+
+DEFAULT_ROAD = Road.iso8608("B", speed=20.0, tracks="isotropic")
+"""The road where none is given: class B at 72 km/h on an isotropic surface, the rear axle delayed.
+
+The study states none. On identical tracks a symmetric car would not roll at all, on independent ones it would roll like
+on no surface; an isotropic surface has the coherence that its own spectrum implies.
+"""

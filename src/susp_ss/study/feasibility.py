@@ -23,11 +23,12 @@ from scipy.stats import qmc
 
 from ..metrics.response import Response
 from ..metrics.ride import ride_metrics
-from ..quantities import CORNERS, PARAMETERS
-from ..roads.road import Road
+from ..quantities import PARAMETERS, signal
+from ..roads.road import DEFAULT_ROAD, Road
 from ..surrogates import ExtrapolationWarning, ParameterBased, ResponseBased, VariableBased, accuracy
 from ..vehicles.full import FullCar
 from ..vehicles.quarter import QuarterCar
+from ..vehicles.vehicle import Vehicle
 from .published import ACCURACY, COEFFICIENTS, CRITERIA, SURROGATES, Published, comparison, index, published, ranking
 from .tabulated import Tabulated
 
@@ -42,6 +43,9 @@ FEW = (5, 10, 25)
 
 ENOUGH = 1.05
 """Few designs are enough when the RMSE over all nodes is within this factor of the fit on all nodes."""
+
+CARRIED = ("mu", "ks", "cs", "kt", "ct")
+"""What every corner of a car has."""
 
 UNKNOWNS = {surrogate: len(names) for surrogate, names in COEFFICIENTS.items()}
 
@@ -58,6 +62,8 @@ class Study:
         Where the full car is measured.
     nonnegative : bool
         Whether the coefficients of RB and VB were kept from being negative.
+    vehicle, low_fidelity : Vehicle
+        The expensive and the cheap car.
     responses : xarray.Dataset
         ``lf``, ``hf``, ``RB``, ``VB``, ``PB`` on (ks, cs, criterion), in the unit of the coordinate ``unit``.
     accuracy : pandas.DataFrame
@@ -78,6 +84,8 @@ class Study:
     road: Road
     corner: str
     nonnegative: bool
+    vehicle: Vehicle
+    low_fidelity: Vehicle
     responses: xr.Dataset
     accuracy: pd.DataFrame
     coefficients: pd.DataFrame
@@ -91,19 +99,30 @@ class Study:
         return self.responses.sizes["ks"], self.responses.sizes["cs"]
 
     @property
+    def as_published(self) -> bool:
+        """Whether the cars and the ranges of springs and dampers are the study's own."""
+        ks, cs = (self.responses[name].values for name in ("ks", "cs"))
+        own = [_numbers(FullCar()), _numbers(QuarterCar()), STIFFNESS, DAMPING]
+        return [_numbers(self.vehicle), _numbers(self.low_fidelity), (ks[0], ks[-1]), (cs[0], cs[-1])] == own
+
+    @property
     def published(self) -> Published:
         """The study's own ``accuracy`` and ``coefficients``, as printed, in SI units."""
         return published()
 
     def comparison(self) -> pd.DataFrame:
-        """Ours beside the published value, one row an entry of Tables 3 to 5."""
-        return comparison(self.accuracy, self.coefficients)
+        """Ours beside the published value, one row an entry of Tables 3 to 5; NaN beside those of other cars."""
+        table = comparison(self.accuracy, self.coefficients)
+        return table if self.as_published else table.assign(published=np.nan)
 
     def describe(self) -> str:
         """Say in one line what was run."""
         springs, dampers = self.nodes
+        ks, cs = (self.responses[name].values for name in ("ks", "cs"))
+        kinds = f"own {type(self.vehicle).__name__} against {type(self.low_fidelity).__name__}"
+        own = f"{kinds}, ks {ks[0]:g} to {ks[-1]:g} N/m, cs {cs[0]:g} to {cs[-1]:g} N s/m; "
         return (
-            f"{springs} x {dampers} nodes, full car at {self.corner}, "
+            f"{'' if self.as_published else own}{springs} x {dampers} nodes, full car at {self.corner}, "
             f"{'nonnegative' if self.nonnegative else 'free'} coefficients; {self.road.describe()}"
         )
 
@@ -120,6 +139,11 @@ def feasibility_study(
     corner: str = "fr",
     nodes: tuple[int, int] = (20, 20),
     nonnegative: bool = False,
+    *,
+    vehicle: Vehicle | None = None,
+    low_fidelity: Vehicle | None = None,
+    ks: tuple[float, float] = STIFFNESS,
+    cs: tuple[float, float] = DAMPING,
 ) -> Study:
     """Tune a quarter car to a full car by response, by variables and by sprung mass.
 
@@ -130,14 +154,22 @@ def feasibility_study(
     Parameters
     ----------
     road : Road, optional
-        Class B at 20 m/s on an isotropic surface, the rear axle delayed, if None. ``road.wheels`` restricts what
-        the full car meets; the quarter car's one wheel always meets the road.
+        `susp_ss.DEFAULT_ROAD` if None: class B at 20 m/s on an isotropic surface, the rear axle delayed.
+        ``road.wheels`` restricts what the full car meets; the quarter car's one wheel always meets the road.
     corner : {"fr", "fl", "rr", "rl"}
         Where the full car is measured; its body acceleration above that corner.
     nodes : (int, int)
         Springs and dampers on the grid, both ends of Table 2 included; each >= 2.
     nonnegative : bool
         Keep the coefficients of RB and VB from being negative.
+    vehicle : Vehicle, optional
+        The expensive car, one number for every parameter; the study's full car if None. A spring or damper of the grid
+        is that of ``corner``: where the car's corners differ, the others keep their ratio to it.
+    low_fidelity : Vehicle, optional
+        The cheap car, on one wheel, with a sprung mass ``ms``; the quarter car of ``corner`` if None: its unsprung
+        mass and tyre, and the body's mass divided by the number of wheels.
+    ks, cs : (float, float)
+        Range of springs in N/m and of dampers in N s/m; Table 2 of the study if not given.
 
     Returns
     -------
@@ -157,25 +189,34 @@ def feasibility_study(
     >>> study.coefficients.loc[("PB", "bacc"), "ms"].round(0).item()
     198.0
     """
-    road = Road.iso8608("B", speed=20.0, tracks="isotropic") if road is None else road
-    _check(road, corner, nonnegative)
-    ks, cs = grid(*checked_nodes(nodes))
-    lf, lf_seconds = _timed(lambda: low_fidelity(ks, cs, road))
-    hf, hf_seconds = _timed(lambda: high_fidelity(ks, cs, road, corner))
-    X, F = designs(ks, cs), hf.values.reshape(-1, len(CRITERIA))
-    quarter_car = _low_fidelity_functions(road)
+    road = DEFAULT_ROAD if road is None else road
+    car = FullCar() if vehicle is None else vehicle
+    _check(road, corner, nonnegative, car)
+    cheap = _quarter_of(car, corner) if low_fidelity is None else low_fidelity
+    _check_low_fidelity(cheap)
+    springs, dampers = grid(*checked_nodes(nodes), _range("ks", ks), _range("cs", cs))
+    lf, lf_seconds = _timed(lambda: quarter_responses(springs, dampers, road, cheap))
+    hf, hf_seconds = _timed(lambda: high_fidelity(springs, dampers, road, corner, car))
+    X, F = designs(springs, dampers), hf.values.reshape(-1, len(CRITERIA))
+    quarter_car = _low_fidelity_functions(road, cheap)
     fitted = fit(X, F, quarter_car, nonnegative)
     at_nodes = scores(fitted, X, F)
-    halfway = between(ks, cs)
+    halfway = between(springs, dampers)
+
+    def evaluate(some: NDArray) -> NDArray:
+        return high_fidelity(some[:, 0], some[:, 1], road, corner, car).values
+
     return Study(
         road=road,
         corner=corner,
         nonnegative=bool(nonnegative),
+        vehicle=car,
+        low_fidelity=cheap,
         responses=_responses(lf, hf, fitted, X, road, corner),
         accuracy=at_nodes,
         coefficients=tuned(fitted),
-        held_out=scores(fitted, halfway, _at(halfway, road, corner)),
-        cost=_cost(X, F, at_nodes, lambda few: _at(few, road, corner), quarter_car, nonnegative),
+        held_out=scores(fitted, halfway, evaluate(halfway)),
+        cost=_cost(X, F, at_nodes, evaluate, quarter_car, nonnegative),
         seconds={"lf": lf_seconds, "hf": hf_seconds},
     )
 
@@ -237,8 +278,10 @@ def coefficients_of(model: Any) -> list[float]:
     return [model.intercept_, *map(float, model.coef_)]
 
 
-def grid(springs: int, dampers: int) -> tuple[xr.DataArray, xr.DataArray]:
-    """Springs on dim ks and dampers on dim cs, evenly over Table 2, both ends included."""
+def grid(
+    springs: int, dampers: int, ks: tuple[float, float] = STIFFNESS, cs: tuple[float, float] = DAMPING
+) -> tuple[xr.DataArray, xr.DataArray]:
+    """Springs on dim ks and dampers on dim cs, evenly, both ends included."""
 
     def axis(name: str, bounds: tuple[float, float], count: int) -> xr.DataArray:
         values = np.linspace(*bounds, count)
@@ -246,7 +289,7 @@ def grid(springs: int, dampers: int) -> tuple[xr.DataArray, xr.DataArray]:
         array[name].attrs = {"units": PARAMETERS[name].unit, "long_name": PARAMETERS[name].meaning}
         return array
 
-    return axis("ks", STIFFNESS, springs), axis("cs", DAMPING, dampers)
+    return axis("ks", ks, springs), axis("cs", cs, dampers)
 
 
 def designs(ks: xr.DataArray, cs: xr.DataArray) -> NDArray[np.float64]:
@@ -262,15 +305,33 @@ def between(ks: xr.DataArray, cs: xr.DataArray) -> NDArray[np.float64]:
     return np.stack([rows[0][i[new]], rows[1][j[new]]], axis=-1)
 
 
-def low_fidelity(ks: Any, cs: Any, road: Road) -> xr.DataArray:
-    """The quarter car's three criteria, along a last dim ``criterion``."""
-    return by_criterion(ride_metrics(QuarterCar(ks=ks, cs=cs), dataclasses.replace(road, wheels=None)))
+def quarter_responses(ks: Any, cs: Any, road: Road, cheap: Vehicle) -> xr.DataArray:
+    """The cheap car's three criteria, along a last dim ``criterion``."""
+    return by_criterion(ride_metrics(cheap.replaced(ks=ks, cs=cs), dataclasses.replace(road, wheels=None)))
 
 
-def high_fidelity(ks: Any, cs: Any, road: Road, corner: str) -> xr.DataArray:
-    """The full car's three criteria at a corner, along a last dim ``criterion``."""
-    metrics = ride_metrics(FullCar(ks=ks, cs=cs), road)
+def high_fidelity(ks: Any, cs: Any, road: Road, corner: str, car: Vehicle) -> xr.DataArray:
+    """The expensive car's three criteria at a corner, along a last dim ``criterion``."""
+    settings: dict[str, Any] = {}
+    for name, values in (("ks", ks), ("cs", cs)):
+        own = dict(zip(car.wheels, car.at_wheels(name), strict=True))
+        if len(set(own.values())) == 1:
+            settings[name] = values
+        else:
+            settings |= {signal(name, wheel): values * (value / own[corner]) for wheel, value in own.items()}
+    metrics = ride_metrics(car.replaced(**settings), road)
     return by_criterion(metrics.sel(point=corner, corner=corner).drop_vars(["point", "corner"]))
+
+
+def _quarter_of(car: Vehicle, corner: str) -> QuarterCar:
+    """The quarter car of a car's corner."""
+    at = {name: dict(zip(car.wheels, car.at_wheels(name), strict=True))[corner] for name in ("mu", "kt", "ct")}
+    return QuarterCar(ms=car.at_wheels("mb")[0] / len(car.wheels), **at)
+
+
+def _numbers(car: Vehicle) -> tuple[Any, ...]:
+    """Kind and every number of a car but those of the grid."""
+    return type(car), *(car.at_wheels(name) for name in car.quantities() if name not in ("ks", "cs"))
 
 
 def by_criterion(metrics: xr.Dataset) -> xr.DataArray:
@@ -280,13 +341,9 @@ def by_criterion(metrics: xr.Dataset) -> xr.DataArray:
     return stacked.assign_coords(unit=("criterion", list(CRITERIA.values())))
 
 
-def _at(X: NDArray, road: Road, corner: str) -> NDArray[np.float64]:
-    return high_fidelity(X[:, 0], X[:, 1], road, corner).values
-
-
-def _low_fidelity_functions(road: Road) -> dict[str, Response]:
+def _low_fidelity_functions(road: Road, cheap: Vehicle) -> dict[str, Response]:
     own = dataclasses.replace(road, wheels=None)
-    return {criterion: Response(QuarterCar(), own, criterion, parameter="ms") for criterion in CRITERIA}
+    return {criterion: Response(cheap, own, criterion, parameter="ms") for criterion in CRITERIA}
 
 
 def _responses(
@@ -339,7 +396,7 @@ def _timed(run: Callable[[], Any]) -> tuple[Any, float]:
     return result, float(np.median(seconds))
 
 
-def _check(road: Any, corner: Any, nonnegative: Any) -> None:
+def _check(road: Any, corner: Any, nonnegative: Any, car: Any) -> None:
     if not isinstance(road, Road):
         raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {road!r}")
     if road.waviness != 2.0:
@@ -347,10 +404,43 @@ def _check(road: Any, corner: Any, nonnegative: Any) -> None:
             f"feasibility_study needs a road of waviness 2, got {road.waviness:g}; scan_scenarios takes other "
             "waviness on a coarser grid"
         )
-    if not isinstance(corner, str) or corner not in CORNERS:
-        raise ValueError(f"no corner named {corner!r}, available: {', '.join(CORNERS)}")
+    if not isinstance(car, Vehicle):
+        raise TypeError(f"vehicle must be a vehicle, such as FullCar(), got {car!r}")
+    if not {"mb", *CARRIED} <= set(car.quantities()) or len(car.wheels) < 2:
+        raise ValueError(f"vehicle must be a car of several wheels, such as FullCar(), got a {type(car).__name__}")
+    if car.design_space().dims:
+        raise ValueError("vehicle must have one number for every parameter, got arrays; ks and cs give the grid")
+    if not isinstance(corner, str) or corner not in car.wheels:
+        raise ValueError(f"no corner named {corner!r}, available: {', '.join(car.wheels)}")
+    for name in ("ks", "cs"):
+        if not all(value > 0.0 for value in car.at_wheels(name)):
+            raise ValueError(f"vehicle needs {name} > 0 at every corner, to keep their ratio over the grid")
     if not isinstance(nonnegative, (bool, np.bool_)):
         raise TypeError(f"nonnegative must be True or False, got {nonnegative!r}")
+
+
+def _check_low_fidelity(cheap: Any) -> None:
+    if not isinstance(cheap, Vehicle):
+        raise TypeError(f"low_fidelity must be a vehicle, such as QuarterCar(), got {cheap!r}")
+    if len(cheap.wheels) != 1 or not {"ms", "ks", "cs"} <= set(cheap.quantities()):
+        raise ValueError(
+            f"low_fidelity must be a car on one wheel with ms, ks and cs, such as QuarterCar(), got a "
+            f"{type(cheap).__name__}"
+        )
+    if cheap.design_space().dims:
+        raise ValueError("low_fidelity must have one number for every parameter, got arrays")
+
+
+def _range(name: str, bounds: Any) -> tuple[float, float]:
+    quantity = PARAMETERS[name]
+    values = np.asarray(bounds)
+    need = f"{name} must be two numbers {quantity.bound} {quantity.unit}, lowest and highest"
+    if values.shape != (2,) or values.dtype.kind not in "iuf":
+        raise TypeError(f"{need}, got {bounds!r}")
+    low, high = map(float, values)
+    if not 0.0 < low < high < np.inf:
+        raise ValueError(f"{need}, got {bounds!r}")
+    return low, high
 
 
 def checked_nodes(nodes: Any) -> tuple[int, int]:

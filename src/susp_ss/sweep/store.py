@@ -84,7 +84,8 @@ def sweep(
         What the vehicle runs over.
     axes : mapping of str to array_like
         Values of the parameters that vary, in SI units, each a row of different numbers; the result has a dim for each,
-        in this order. A value is for all corners.
+        in this order. ``ks`` is for all corners, ``ks_front``, ``ks_left`` or ``ks_rl`` for some; an axis for corners
+        that differ in the vehicle is refused, as it would make them alike.
     store : path
         Folder of the store. If it exists, it must be of the same sweep.
     method : {"covariance", "spectral"}
@@ -173,26 +174,32 @@ def _need_libraries(scheduler: str | None) -> None:
 
 def _along(vehicle: Vehicle, axes: Mapping[str, ArrayLike]) -> Vehicle:
     """The vehicle with its axes as labelled arrays, each on a dim of its own name."""
-    quantities = vehicle.quantities()
+    quantities, known = vehicle.quantities(), vehicle.settings()
     if not axes:
         raise ValueError(f"axes must name at least one parameter, available: {', '.join(quantities)}")
-    arrays = {}
-    for name, given in axes.items():
-        if name not in quantities:
-            raise ValueError(
-                f"axes: {type(vehicle).__name__} has no parameter named {name!r}, available: {', '.join(quantities)}"
-            )
-        values = np.asarray(given)
-        if values.ndim != 1 or values.dtype.kind not in "iuf" or len(np.unique(values)) < values.size:
-            raise ValueError(f"axes[{name!r}] must be a row of different numbers, got {given!r}")
-        labels = {"units": quantities[name].unit, "long_name": quantities[name].meaning}
-        arrays[name] = xr.DataArray(values, {name: (name, values.astype(float), labels)})
     for name in quantities:
-        if name not in axes and not all(isinstance(leaf, float) for leaf in vehicle.at_wheels(name)):
+        if not all(isinstance(leaf, float) for leaf in vehicle.at_wheels(name)):
             raise ValueError(
                 f"{type(vehicle).__name__}({name}=...) of a sweep must be a number, or an axis; got an array"
             )
-    return dataclasses.replace(vehicle, **arrays)
+    arrays: dict[str, xr.DataArray] = {}
+    for name, given in axes.items():
+        if name not in known:
+            raise ValueError(
+                f"axes: {type(vehicle).__name__} has no parameter named {name!r}, available: {', '.join(quantities)}"
+            )
+        field, wheels = known[name]
+        for other in arrays:
+            both = [wheel for wheel in known[other][1] if wheel in wheels]
+            if known[other][0] == field and both:
+                raise ValueError(f"axes {other} and {name} both set {field} at {', '.join(both)}; pass one of them")
+        values = np.asarray(given)
+        if values.ndim != 1 or values.dtype.kind not in "iuf" or len(np.unique(values)) < values.size:
+            raise ValueError(f"axes[{name!r}] must be a row of different numbers, got {given!r}")
+        at = "" if name == field else f" at {', '.join(wheels)}"
+        labels = {"units": quantities[field].unit, "long_name": f"{quantities[field].meaning}{at}"}
+        arrays[name] = xr.DataArray(values, {name: (name, values.astype(float), labels)})
+    return vehicle.replaced(**arrays)
 
 
 def _chunk(sizes: Mapping[str, int], most: int) -> dict[str, int]:

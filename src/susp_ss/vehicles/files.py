@@ -15,12 +15,14 @@ from __future__ import annotations
 import codecs
 import functools
 import importlib
+import re
 import tomllib
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from ..quantities import units_of
+from ..units import Stated, factor_of, implausible
 from . import MODELS
 from .parameters import Corners
 from .vehicle import Vehicle
@@ -83,7 +85,7 @@ def model_name(vehicle: Vehicle) -> str:
     return named[type(vehicle)]
 
 
-def read_vehicle(path: str | PathLike[str]) -> Vehicle:
+def read_vehicle(path: str | PathLike[str], trust_units: bool = False) -> Vehicle:
     """Read a vehicle file.
 
     Parameters
@@ -92,6 +94,8 @@ def read_vehicle(path: str | PathLike[str]) -> Vehicle:
         A TOML file: ``model``, and the table ``parameters`` with ``{ value = ..., unit = "..." }`` for each field, or
         one value a corner in place of ``value`` (fr, fl, rr, rl; f, r; or r, l). Fields left out keep their
         defaults. `susp_ss.quantities.UNITS` lists the units.
+    trust_units : bool
+        Take values that are far from any road vehicle's, which a mistaken unit would give.
 
     Returns
     -------
@@ -103,7 +107,7 @@ def read_vehicle(path: str | PathLike[str]) -> Vehicle:
         The file cannot be read.
     ValueError
         The file is not TOML (with line and column), or has an unknown key, model, corner or unit, a missing one, or a
-        value that the vehicle refuses. Every message begins with the file's name.
+        value that the vehicle refuses or that no road vehicle has. Every message begins with the file's name.
 
     Examples
     --------
@@ -116,9 +120,11 @@ def read_vehicle(path: str | PathLike[str]) -> Vehicle:
     """
     table = _toml(Path(path))
     try:
-        return vehicle_of(table)
+        return vehicle_of(table, trust_units)
     except (ValueError, TypeError) as error:
-        raise ValueError(f"{path}: {error}") from error
+        # In a file a parameter is known by its name alone.
+        said = re.sub(r"\w+\((\w+)=[.]{3}\)", r"\1", str(error))
+        raise ValueError(f"{path}: {said}") from error
 
 
 def vehicle_text(vehicle: Vehicle) -> str:
@@ -135,7 +141,7 @@ def vehicle_text(vehicle: Vehicle) -> str:
     >>> from susp_ss.vehicles.files import vehicle_text
     >>> print(vehicle_text(RigidTyreQuarterCar(ks=20e3)))
     # A vehicle for susp-ss. Every value states its unit; a parameter that is left out keeps its default.
-    # Units: kg, t; N/m, N/mm, kN/m; N s/m, N s/mm, kN s/m.
+    # Units: kg, t, lb; N/m, N/mm, kN/m, lbf/in; N s/m, N s/mm, kN s/m, lbf s/in.
     model = "rigid-tyre"
     <BLANKLINE>
     [parameters]
@@ -190,6 +196,8 @@ def entry(vehicle: Vehicle, name: str) -> dict[str, float | str]:
 def utf8_text(path: Path) -> str:
     """The text of a file, without the mark that some editors begin with, or a ValueError with line and column."""
     raw = path.read_bytes().removeprefix(codecs.BOM_UTF8)
+    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        raise ValueError(f'{path}: UTF-16 text (as "Unicode" in some programs); save it as UTF-8')
     try:
         return raw.decode()
     except UnicodeDecodeError as error:
@@ -204,10 +212,13 @@ def _toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(text)
     # Not every failure of the parser is its own: numbers of too many digits, values nested too deeply.
     except (ValueError, RecursionError) as error:
-        raise ValueError(f"{path}: not TOML: {error}") from None
+        place = re.search(r"at line (\d+)", str(error))
+        comma = re.search(r"=\s*([+-]?\d+),(\d+)", text.splitlines()[int(place[1]) - 1]) if place else None
+        hint = f"; a decimal comma? write {comma[1]}.{comma[2]}" if comma else ""
+        raise ValueError(f"{path}: not TOML: {error}{hint}") from None
 
 
-def vehicle_of(table: dict[str, Any]) -> Vehicle:
+def vehicle_of(table: dict[str, Any], trust_units: bool = False) -> Vehicle:
     """Make the vehicle of a table laid out as in a vehicle file, or say in a ValueError what is wrong with it."""
     _refuse_unknown("key", table, ("model", "parameters"), "")
     if "model" not in table:
@@ -217,26 +228,37 @@ def vehicle_of(table: dict[str, Any]) -> Vehicle:
     if not isinstance(parameters, dict):
         raise ValueError(f"parameters must be a table, [parameters], got {parameters!r}")
     _refuse_unknown("parameter", parameters, tuple(car.quantities()), f" of the model {table['model']!r}")
-    return car(**{name: _value(car, name, entry) for name, entry in parameters.items()})
+    return car(**{name: _value(car, name, entry, trust_units) for name, entry in parameters.items()})
 
 
-def _value(car: type[Vehicle], name: str, entry: Any) -> Any:
-    own = car.quantities()[name].unit
-    units, wheels = units_of(own), tuple(car.wheels) if name in car.per_corner else ()
+def _value(car: type[Vehicle], name: str, entry: Any, trust_units: bool) -> Any:
+    quantity = car.quantities()[name]
+    own, units = quantity.unit, units_of(quantity.unit)
+    wheels = tuple(car.wheels) if name in car.per_corner else ()
     if not isinstance(entry, dict):
         raise ValueError(f'{name} must state its unit, {name} = {{ value = ..., unit = "{own}" }}, got {entry!r}')
     _refuse_unknown("key", entry, ("value", *wheels, "unit"), f" of {name}")
     unit = entry.get("unit")
-    if not isinstance(unit, str) or unit not in units:
+    factor = factor_of(unit, quantity) if isinstance(unit, str) else None
+    if not isinstance(unit, str) or factor is None:
         got = f", got {unit!r}" if "unit" in entry else ", got none"
         raise ValueError(f"{name}.unit must be one of {', '.join(units)}{got}")
+
+    def number(key: str) -> float:
+        where = f"{name}.{key}"
+        value = _number(where, entry[key])
+        far = "" if trust_units else implausible(Stated(value, unit), quantity)
+        if far:
+            raise ValueError(f"{where}: {far} State the unit, or trust the units as they are (--trust-units)")
+        return value * factor
+
     keys = [key for key in entry if key != "unit"]
     if keys == ["value"]:
-        return _number(f"{name}.value", entry["value"]) * units[unit]
+        return number("value")
     if not keys or set(keys) != set(wheels):
         need = "value" + (f", or a value for each of {', '.join(wheels)}" if wheels else "")
         raise ValueError(f"{name} must have {need}, got {', '.join(keys) or 'none'}")
-    values = {wheel: _number(f"{name}.{wheel}", entry[wheel]) * units[unit] for wheel in wheels}
+    values = {wheel: number(wheel) for wheel in wheels}
     return Corners(**values) if len(wheels) == 4 else tuple(values.values())
 
 

@@ -56,9 +56,79 @@ class Vehicle:
             known[field.name] = quantity._replace(name=field.name)
         return known
 
+    @classmethod
+    @cache
+    def settings(cls) -> dict[str, tuple[str, tuple[str, ...]]]:
+        """Field and wheels of every name that sets a parameter: ``ks`` everywhere, ``ks_front`` or ``ks_rl`` there."""
+        places: dict[str, tuple[str, ...]] = {name: (name,) for name in cls.wheels if name}
+        for place, part, value in (
+            ("front", "axle", 0),
+            ("rear", "axle", 1),
+            ("right", "side", -1),
+            ("left", "side", 1),
+        ):
+            places[place] = tuple(name for name, wheel in cls.wheels.items() if getattr(wheel, part) == value)
+        known = {}
+        for field in cls.quantities():
+            known[field] = field, tuple(cls.wheels)
+            if field in cls.per_corner:
+                some = {place: at for place, at in places.items() if 0 < len(at) < len(cls.wheels)}
+                known |= {signal(field, place): (field, at) for place, at in some.items()}
+        return known
+
+    def replaced(self, **values: Any) -> Self:
+        """The same vehicle with other values by the names of `settings`; where two names set one wheel, the narrower.
+
+        Raises
+        ------
+        ValueError
+            No such name, or one value for wheels that differ.
+
+        Examples
+        --------
+        >>> from susp_ss import Corners, FullCar
+        >>> list(FullCar(ks=Corners.axles(front=18e3, rear=21e3)).replaced(ks_rear=22e3).ks)
+        [18000.0, 18000.0, 22000.0, 22000.0]
+        """
+        known, at_wheels = self.settings(), dict[str, dict[str, Any]]()
+        for name in values:
+            if name not in known:
+                raise ValueError(f"{type(self).__name__} has no parameter {name!r}, available: {', '.join(known)}")
+        for name in sorted(values, key=lambda name: -len(known[name][1])):
+            field, wheels = known[name]
+            own = dict(zip(self.wheels, self.at_wheels(field), strict=True))
+            self._refuse_to_flatten(name, {wheel: own[wheel] for wheel in wheels})
+            at_wheels.setdefault(field, own).update(dict.fromkeys(wheels, values[name]))
+        named = [known[name][0] for name in values]
+        everywhere = {name: value for name, value in values.items() if named.count(name) == 1}
+        return dataclasses.replace(self, **{field: _joined(at) for field, at in at_wheels.items()} | everywhere)
+
+    def _refuse_to_flatten(self, name: str, own: dict[str, Any]) -> None:
+        first, *others = own.values()
+        if all(other is first or np.array_equal(other, first) for other in others):
+            return
+        field, _ = self.settings()[name]
+        values = dict(zip(self.wheels, self.at_wheels(field), strict=True))
+        narrower = [
+            one
+            for one, (of, at) in sorted(self.settings().items(), key=lambda item: -len(item[1][1]))
+            if of == field and len(at) < len(own) and all(np.array_equal(values[at[0]], values[w]) for w in at)
+        ]
+        said = ", ".join(f"{wheel} {value:g}" for wheel, value in own.items() if isinstance(value, float))
+        raise ValueError(
+            f"{name} would give {', '.join(own)} one value where {type(self).__name__} has several ({said} "
+            f"{self.quantities()[field].unit}); set {', '.join(narrower)}"
+        )
+
     def _checked(self, name: str, quantity: Quantity) -> Any:
         value = getattr(self, name)
         where = f"{type(self).__name__}({name}=...)"
+        if isinstance(value, list) and name in self.per_corner:
+            each = "(first, second)" if len(self.wheels) == 2 else "Corners(fr=, fl=, rr=, rl=)"
+            raise TypeError(
+                f"{where} got a list of {len(value)}, which may be wheels or designs; pass {each} for the wheels, or "
+                "numpy.array([...]) for designs"
+            )
         if isinstance(value, Corners) and name in self.per_corner and len(self.wheels) == 4:
             parts = zip(Corners.__dataclass_fields__, value, strict=True)
             return Corners(**{corner: checked(part, f"{where} at corner {corner}", quantity) for corner, part in parts})
@@ -278,6 +348,11 @@ class Vehicle:
                 "shape": [pd.Series(shape, index=model.layout.coordinates) for shape in shapes.T],
             }
         )
+
+
+def _joined(at_wheels: dict[str, Any]) -> Corners | tuple[Any, ...]:
+    """A value for each wheel as a field holds them."""
+    return Corners(**at_wheels) if len(at_wheels) == 4 else tuple(at_wheels.values())
 
 
 def _ascending(matrices: NDArray) -> NDArray[np.float64]:

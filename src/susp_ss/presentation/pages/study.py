@@ -79,7 +79,8 @@ def study_page(study: Study, document: dict[str, Any], pictures: Mapping[str, Pa
         surrogates=SURROGATES,
         tables=TABLES,
         printed_figures=FIGURES,
-        agreement={surrogate: agreement(entries, surrogate) for surrogate in SURROGATES},
+        as_published=study.as_published,
+        agreement={surrogate: agreement(entries, surrogate) for surrogate in SURROGATES if study.as_published},
         ratios=_ratios(study),
         ranking=(ranking(study.accuracy), ranking(published().accuracy)),
         responses={caption: FILLS[name][0] for name, caption in RESPONSES.items()},
@@ -195,6 +196,8 @@ def _few(count: int) -> list[int]:
 
 def _ratios(study: Study) -> dict[tuple[str, str, str], float]:
     """Ours as a multiple of the published value, where that can be compared with."""
+    if not study.as_published:
+        return {}
     entries = study.comparison()
     known = entries.loc[relative_differences(entries).index]
     keys = zip(known.surrogate, known.criterion, known.quantity, strict=True)

@@ -150,14 +150,18 @@ def bode_magnitude(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure
     return figure
 
 
-def study_curves(corner: str) -> dict[str, xr.DataArray]:
-    """Responses of both models of the study for `bode` and `bode_magnitude`, with the middle spring and damper.
+def study_curves(
+    corner: str, full_car: Vehicle | None = None, quarter_car: Vehicle | None = None
+) -> dict[str, xr.DataArray]:
+    """Responses of both models of the study for `bode` and `bode_magnitude`, each with its own spring and damper.
+
+    Without others they are the study's own, with the middle of their range.
 
     The full car is measured at ``corner``, once with the road under all four wheels in phase, once with the road
     under that corner's wheel alone.
     """
-    quarter = frequency_response(QuarterCar(), FREQUENCY).sel(input="z_r", drop=True)
-    full = _criteria(frequency_response(FullCar(), FREQUENCY), corner)
+    quarter = frequency_response(quarter_car or QuarterCar(), FREQUENCY).sel(input="z_r", drop=True)
+    full = _criteria(frequency_response(full_car or FullCar(), FREQUENCY), corner)
     return {
         "quarter car": _criteria(quarter, corner),
         f"full car at {corner}, all wheels in phase": full.sum("input"),

@@ -26,38 +26,45 @@ WIDTH = 96
 def study_text(study: Study) -> str:
     """Tables 3 to 5 with ours beside the published values, what agrees, held-out accuracy and cost."""
     entries = study.comparison()
-    blocks = [
-        f"Feasibility study: {study.describe()}",
-        _paragraph(
-            "The published study does not state its road, speed or place of measurement. The scenario is a choice of "
-            "this package; nothing is tuned to the published tables."
-        ),
-    ]
+    blocks = [f"Feasibility study: {study.describe()}"]
+    if study.as_published:
+        blocks.append(
+            _paragraph(
+                "The published study does not state its road, speed or place of measurement. The scenario is a choice "
+                "of this package; nothing is tuned to the published tables."
+            )
+        )
     for surrogate in SURROGATES:
-        lines = [f"{TABLES[surrogate]}. {surrogate}: {SURROGATES[surrogate]}", _table(entries, surrogate)]
-        blocks.append("\n".join([*lines, _paragraph(f"Agreement: {agreement(entries, surrogate)}.")]))
+        title = f"{TABLES[surrogate]}. " if study.as_published else ""
+        lines = [f"{title}{surrogate}: {SURROGATES[surrogate]}", _table(entries, surrogate, study.as_published)]
+        if study.as_published:
+            lines.append(_paragraph(f"Agreement: {agreement(entries, surrogate)}."))
+        blocks.append("\n".join(lines))
     blocks += [_best(study), _held_out(study), _cost(study)]
     return "\n\n".join(blocks) + "\n"
 
 
-def _table(entries: pd.DataFrame, surrogate: str) -> str:
+def _table(entries: pd.DataFrame, surrogate: str, beside: bool) -> str:
+    """A surrogate's accuracy and coefficients, beside the published ones or alone."""
     values = {
         (row["criterion"], row["quantity"]): (row["ours"], row["published"])
         for row in entries[entries.surrogate == surrogate].to_dict("records")
     }
     head = [f"{LABELS[criterion]} ({unit})" for criterion, unit in CRITERIA.items()]
     lines = [" " * 6 + "".join(f"{name:>26}" for name in head)]
-    lines.append(" " * 6 + f"{'ours':>14}{'published':>12}" * len(CRITERIA))
+    if beside:
+        lines.append(" " * 6 + f"{'ours':>14}{'published':>12}" * len(CRITERIA))
     for quantity in (*reversed(ACCURACY), *COEFFICIENTS[surrogate]):
         pairs = [values[criterion, quantity] for criterion in CRITERIA]
-        shown = "".join(f"{_number(ours):>14}{_number(theirs):>12}" for ours, theirs in pairs)
+        shown = "".join(f"{_number(ours):>14}{_number(theirs) if beside else '':>12}" for ours, theirs in pairs)
         lines.append(f"{'Ms, kg' if quantity == 'ms' else quantity:<6}{shown}")
     return "\n".join(lines)
 
 
 def _best(study: Study) -> str:
     ours, theirs = ranking(study.accuracy), ranking(published().accuracy)
-    said = [f"{LABELS[criterion]} {ours[criterion]} (published {theirs[criterion]})" for criterion in CRITERIA]
+    published_too = {c: f" (published {theirs[c]})" if study.as_published else "" for c in CRITERIA}
+    said = [f"{LABELS[criterion]} {ours[criterion]}{published_too[criterion]}" for criterion in CRITERIA]
     return _paragraph(f"Surrogates by R2: {', '.join(said)}.")
 
 
