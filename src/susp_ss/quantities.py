@@ -205,6 +205,25 @@ def titled(name: str, unit: str) -> str:
     return f"{name} ({unit})" if unit else name
 
 
+def briefly(value: Any) -> str:
+    """What a message shows of any object: how it is written where that is short, else its kind and size.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss.quantities import briefly
+    >>> briefly("soft"), briefly([1, 2]), briefly(np.zeros((40, 3))), briefly(object())
+    ("'soft'", '[1, 2]', 'an ndarray of shape (40, 3)', 'an object')
+    """
+    text = repr(value)
+    if len(text) <= 100 and "\n" not in text and not text.startswith("<"):
+        return text
+    kind = type(value).__name__
+    article = "an" if kind[:1].lower() in "aeio" or kind.startswith("nd") else "a"
+    size = f" of shape {value.shape}" if hasattr(value, "shape") else ""
+    return f"{article} {kind}{size}"
+
+
 def whole_number(name: str, value: Any, least: int, most: int | None = None, need: str | None = None) -> int:
     """Return a whole number within bounds, or say what is wrong with it.
 
@@ -222,5 +241,5 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None, nee
     """
     whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not whole or value < least or (most is not None and value > most):
-        raise ValueError(f"{name} must be a whole number {need or f'>= {least}'}, got {value!r}")
+        raise ValueError(f"{name} must be a whole number {need or f'>= {least}'}, got {briefly(value)}")
     return int(value)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..metrics.response import Response
-from ..quantities import CORNERS, GROUPS, ROAD, metric_and_place, signal
+from ..quantities import CORNERS, GROUPS, ROAD, briefly, metric_and_place, signal
 from ..responses.settings import settable
 from ..roads.road import Road
 from ..vehicles.full import FullCar
@@ -201,7 +201,7 @@ class LowFidelity:
 
     def __post_init__(self) -> None:
         if self.place not in (None, "cg", *CORNERS):
-            raise ValueError(f"place must be one of {', '.join(CORNERS)}, cg, got {self.place!r}")
+            raise ValueError(f"place must be one of {', '.join(CORNERS)}, cg, got {briefly(self.place)}")
 
     def own(self, column: str) -> float | None:
         """Return the model's own value of a column's parameter, over all its wheels, or None if it has none."""

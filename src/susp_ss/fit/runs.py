@@ -24,7 +24,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..quantities import KNOWN, UNITS, Quantity, quantity_of, units_of
+from ..quantities import KNOWN, UNITS, Quantity, briefly, quantity_of, units_of
 from ..units import DECIMAL_COMMA, NUMBER, factor_of, plain_unit
 from ..vehicles.files import models, utf8_text
 
@@ -346,7 +346,7 @@ def _conversion(
         factor = factor_of(stated, quantity) if unit else 1.0
         if factor is None:
             where = f"units of {name}" if name in given else _place(path, column, table.units_row)
-            raise ValueError(f"{where}: {name} is in {_units_of(name)}, got {stated!r}")
+            raise ValueError(f"{where}: {name} is in {_units_of(name)}, got {briefly(stated)}")
         kept[name] = unit or stated
         factors[name] = factor
         in_file[name] = stated
@@ -364,7 +364,7 @@ def _value(name: str, cell: Any, factor: float, where: str) -> float:
         raise ValueError(f"{where}: {cell} is written with a decimal comma; write {cell.replace(',', '.')}")
     number = NUMBER.fullmatch(cell) if isinstance(cell, str) else isinstance(cell, (int, float, Decimal))
     if not number or isinstance(cell, bool):
-        raise ValueError(f"{where}: {name} needs a number, got {cell!r}")
+        raise ValueError(f"{where}: {name} needs a number, got {briefly(cell)}")
     value = float(cell) * factor
     bound = _quantity(name).bound
     within = {"> 0": value > 0.0, ">= 0": value >= 0.0, "": True}[bound]

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from ..quantities import quantity_of
+from ..quantities import briefly, quantity_of
 from ..roads.road import Road
 from ..surrogates.numbers import from_numbers, to_numbers
 from ..surrogates.regressor import Surrogate
@@ -154,7 +154,7 @@ class SuspensionSurrogate:
     def _designs(self, designs: pd.DataFrame | Mapping[str, ArrayLike]) -> pd.DataFrame:
         table = pd.DataFrame(dict(designs)) if isinstance(designs, Mapping) else designs
         if not isinstance(table, pd.DataFrame):
-            raise TypeError(f"designs must be a DataFrame or columns by name, got {designs!r}")
+            raise TypeError(f"designs must be a DataFrame or columns by name, got {briefly(designs)}")
         if set(table.columns) != set(self.inputs):
             raise ValueError(
                 f"designs must have the columns {', '.join(self.inputs)}, got {', '.join(map(str, table.columns))}"
@@ -217,7 +217,7 @@ def load_surrogate(path: str | PathLike[str]) -> SuspensionSurrogate:
         raise ValueError(f'{path}: not a surrogate file: it must say "format": "{FORMAT}"')
     version = document.get("version")
     if not isinstance(version, int) or isinstance(version, bool) or version < 1:
-        raise ValueError(f"{path}: damaged: version must be a whole number >= 1, got {version!r}")
+        raise ValueError(f"{path}: damaged: version must be a whole number >= 1, got {briefly(version)}")
     if version > VERSION:
         raise ValueError(
             f"{path}: written by a newer susp_ss ({document.get('susp_ss')}, file version {version}), this one reads "
@@ -261,7 +261,7 @@ def _restored(document: dict[str, Any]) -> SuspensionSurrogate:
 def _stated(units: Any, known: Mapping[str, Any]) -> dict[str, str]:
     """Units that a file states for inputs and outputs, each one of its quantity's."""
     if not isinstance(units, dict):
-        raise ValueError(f"stated must be units by name, got {units!r}")
+        raise ValueError(f"stated must be units by name, got {briefly(units)}")
     for name, unit in units.items():
         quantity = quantity_of(name)
         if name not in known or quantity is None or not isinstance(unit, str) or factor_of(unit, quantity) is None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..quantities import ROAD
+from ..quantities import ROAD, briefly
 from ..responses.excitation import check_kinds
 from ..responses.labels import dim_of
 from ..responses.settings import settable
@@ -83,9 +83,9 @@ class Response:
         if vehicle.design_space().dims:
             raise ValueError("Response needs a vehicle with one number for every parameter, got arrays")
         if not isinstance(criterion, str):
-            raise TypeError(f"criterion must be the name of a metric, such as 'bacc', got {criterion!r}")
+            raise TypeError(f"criterion must be the name of a metric, such as 'bacc', got {briefly(criterion)}")
         if isinstance(inputs, str) or not isinstance(inputs, Sequence):
-            raise TypeError(f'inputs must be a sequence of field names such as ("ks", "cs"), got {inputs!r}')
+            raise TypeError(f'inputs must be a sequence of field names such as ("ks", "cs"), got {briefly(inputs)}')
         known = settable(vehicle)
         named = (*inputs, *(() if parameter is None else (parameter,)))
         for name in named:

@@ -6,6 +6,7 @@ from typing import Literal
 
 import xarray as xr
 
+from ..quantities import briefly
 from ..responses.excitation import check_kinds
 from ..roads.road import Road
 from ..vehicles.vehicle import Vehicle
@@ -68,7 +69,7 @@ def ride_metrics(
     """
     check_kinds(vehicle, road)
     if method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {briefly(method)}")
     if vehicle.lazy:
         return lazy_metrics(vehicle, road, {"method": method, "duration": duration, "step": step, "seed": seed})
     designs = vehicle.design_space().size

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from ..quantities import briefly
 from ..responses.covariance.routes import covariance_variances
 from ..responses.covariance.tangents import variance_tangents
 from ..responses.excitation import check_kinds
@@ -107,7 +108,7 @@ def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks",
 def _checked(parameters: Sequence[str], available: dict[str, Setting]) -> dict[str, Setting]:
     named = isinstance(parameters, Sequence) and not isinstance(parameters, str)
     if not named or not all(isinstance(name, str) for name in parameters):
-        raise TypeError(f'parameters must be a sequence of names such as ("ks", "cs"), got {parameters!r}')
+        raise TypeError(f'parameters must be a sequence of names such as ("ks", "cs"), got {briefly(parameters)}')
     if len(parameters) == 0:
         raise ValueError(f"parameters must hold at least one name, available: {', '.join(available)}")
     for name in parameters:

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterable
 from os import PathLike
 from pathlib import Path
 
+from ..quantities import briefly
+
 
 def write_results(
     folder: str | PathLike[str], write: Callable[[Path], None], names: Iterable[str], force: bool
@@ -45,7 +47,7 @@ def write_results(
     ['a.txt']
     """
     if not isinstance(folder, (str, PathLike)):
-        raise TypeError(f"folder must be a path, got {folder!r}")
+        raise TypeError(f"folder must be a path, got {briefly(folder)}")
     target = Path(folder)
     if target.exists() and not target.is_dir():
         raise NotADirectoryError(f"cannot write results to {target}: it is a file, not a folder")

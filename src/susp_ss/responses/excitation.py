@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..quantities import briefly
 from ..roads.road import Road
 from ..vehicles.second_order import SecondOrder, beyond_rounding
 from ..vehicles.vehicle import Vehicle
@@ -37,10 +38,10 @@ def check_kinds(vehicle: Any, *roads: Any) -> None:
         Naming the argument and an example of what it may be.
     """
     if not isinstance(vehicle, Vehicle):
-        raise TypeError(f"vehicle must be one of the package's vehicles, such as QuarterCar(), got {vehicle!r}")
+        raise TypeError(f"vehicle must be one of the package's vehicles, such as QuarterCar(), got {briefly(vehicle)}")
     for road in roads:
         if not isinstance(road, Road):
-            raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {road!r}")
+            raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {briefly(road)}")
 
 
 def processes(vehicle: Vehicle, road: Road) -> list[Process]:

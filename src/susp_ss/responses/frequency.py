@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from ..quantities import briefly
 from ..roads.road import Road
 from ..vehicles.second_order import SecondOrder
 from ..vehicles.vehicle import Vehicle
@@ -140,7 +141,7 @@ def checked_frequency(frequency: ArrayLike) -> NDArray[np.float64]:
     """Return frequencies as one row of floats, or say what is wrong with them."""
     values = np.asarray(frequency)
     if values.dtype.kind not in "iuf":
-        raise TypeError(f"frequency must be numbers in Hz, got {frequency!r}")
+        raise TypeError(f"frequency must be numbers in Hz, got {briefly(frequency)}")
     if values.ndim != 1 or values.size == 0:
         raise ValueError(f"frequency must be one non-empty row of Hz, got shape {values.shape}")
     if not (np.isfinite(values) & (values > 0.0)).all():

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from rich.console import Console
 from rich.progress import track
 
-from ..quantities import whole_number
+from ..quantities import briefly, whole_number
 from ..roads.profiles import synthesise
 from ..roads.road import Road
 from ..vehicles.parameters import DesignSpace
@@ -103,9 +103,9 @@ def time_variances(
     """
     for name, value in (("duration", duration), ("step", step)):
         if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-            raise TypeError(f"{name} must be a number > 0 s, got {value!r}")
+            raise TypeError(f"{name} must be a number > 0 s, got {briefly(value)}")
         if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} must be > 0 s and finite, got {value!r}")
+            raise ValueError(f"{name} must be > 0 s and finite, got {briefly(value)}")
     if duration < 100 * step:
         raise ValueError(f"duration must be at least 100 steps of {step} s, got {duration} s")
     seed = whole_number("seed", seed, 0)
@@ -157,7 +157,7 @@ def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, se
 def _checked_time(time: ArrayLike) -> Array:
     t = np.asarray(time)
     if t.dtype.kind not in "iuf":
-        raise TypeError(f"time must be numbers in s, got {time!r}")
+        raise TypeError(f"time must be numbers in s, got {briefly(time)}")
     t = t.astype(float)
     if t.ndim != 1 or len(t) < 2 or not np.isfinite(t).all():
         raise ValueError(f"time must be one row of at least two finite instants in s, got shape {t.shape}")
@@ -177,7 +177,7 @@ def _checked_profile(profile: Any, wheels: tuple[str, ...], samples: int) -> Arr
     except ValueError:
         raise ValueError(f"profile must have shape {(len(wheels), samples)}, got rows of different lengths") from None
     if z.dtype.kind not in "iuf":
-        raise TypeError(f"profile must be road heights in m, got {profile!r}")
+        raise TypeError(f"profile must be road heights in m, got {briefly(profile)}")
     if z.ndim == 1:
         z = np.broadcast_to(z, (len(wheels), len(z)))
     if z.shape != (len(wheels), samples):

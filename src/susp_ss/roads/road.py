@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gamma, kv
 
+from ..quantities import briefly
+
 REFERENCE_WAVENUMBER = 0.1
 """``n0`` of ISO 8608, cycle/m."""
 
@@ -77,20 +79,22 @@ class Road:
             need = f"> {low:g} {unit}".rstrip() + (f" and < {high:g}" if np.isfinite(high) else "")
             value = _number(name, getattr(self, name), need)
             if not low < value < high:
-                raise ValueError(f"Road({name}=...) must be {need}, got {value!r}")
+                raise ValueError(f"Road({name}=...) must be {need}, got {briefly(value)}")
             object.__setattr__(self, name, value)
         cutoff = _number("cutoff", self.cutoff, ">= 0 cycle/m")
         if cutoff < 0.0:
-            raise ValueError(f"Road(cutoff=...) must be >= 0 cycle/m, got {cutoff!r}")
+            raise ValueError(f"Road(cutoff=...) must be >= 0 cycle/m, got {briefly(cutoff)}")
         object.__setattr__(self, "cutoff", cutoff)
         if not isinstance(self.tracks, str) or self.tracks not in TRACKS:
-            raise ValueError(f"Road(tracks=...) must be one of {', '.join(TRACKS)}, got {self.tracks!r}")
+            raise ValueError(f"Road(tracks=...) must be one of {', '.join(TRACKS)}, got {briefly(self.tracks)}")
         if not isinstance(self.delay, (bool, np.bool_)):
-            raise TypeError(f"Road(delay=...) must be True or False, got {self.delay!r}")
+            raise TypeError(f"Road(delay=...) must be True or False, got {briefly(self.delay)}")
         if self.wheels is not None:
             named = isinstance(self.wheels, Sequence) and not isinstance(self.wheels, str)
             if not named or not all(isinstance(name, str) for name in self.wheels):
-                raise TypeError(f'Road(wheels=...) must be a sequence of names such as ("fr",), got {self.wheels!r}')
+                raise TypeError(
+                    f'Road(wheels=...) must be a sequence of names such as ("fr",), got {briefly(self.wheels)}'
+                )
             if len(self.wheels) == 0:
                 raise ValueError("Road(wheels=...) must name at least one wheel, got none")
             object.__setattr__(self, "wheels", tuple(self.wheels))
@@ -113,7 +117,7 @@ class Road:
         True
         """
         if not isinstance(road_class, str) or road_class not in CLASSES:
-            raise ValueError(f"road class must be one of {', '.join(CLASSES)}, got {road_class!r}")
+            raise ValueError(f"road class must be one of {', '.join(CLASSES)}, got {briefly(road_class)}")
         if "roughness" in parameters:
             raise ValueError("Road.iso8608 takes its roughness from the class; pass Road(roughness=...) instead")
         return cls(roughness=CLASSES[road_class], **parameters)
@@ -224,7 +228,7 @@ class Road:
 def _wavenumbers(n: ArrayLike) -> NDArray[np.float64]:
     values = np.asarray(n)
     if values.dtype.kind not in "iuf":
-        raise TypeError(f"n must be wavenumbers in cycle/m, got {n!r}")
+        raise TypeError(f"n must be wavenumbers in cycle/m, got {briefly(n)}")
     if not (np.isfinite(values) & (values > 0.0)).all():
         raise ValueError(
             f"n must be finite and > 0 cycle/m, got {values[~(np.isfinite(values) & (values > 0.0))].flat[0]}"
@@ -234,9 +238,10 @@ def _wavenumbers(n: ArrayLike) -> NDArray[np.float64]:
 
 def _number(name: str, value: Any, need: str) -> float:
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise TypeError(f"Road({name}=...) must be a number {need}, got {value!r}")
+        hint = f"; a class is Road.iso8608({value!r})" if isinstance(value, str) and value in CLASSES else ""
+        raise TypeError(f"Road({name}=...) must be a number {need}, got {briefly(value)}{hint}")
     if not np.isfinite(value):
-        raise ValueError(f"Road({name}=...) must be finite and {need}, got {value!r}")
+        raise ValueError(f"Road({name}=...) must be finite and {need}, got {briefly(value)}")
     return float(value)
 
 

@@ -23,7 +23,7 @@ from scipy.stats import qmc
 
 from ..metrics.response import Response
 from ..metrics.ride import ride_metrics
-from ..quantities import PARAMETERS, signal
+from ..quantities import PARAMETERS, briefly, signal
 from ..roads.road import DEFAULT_ROAD, Road
 from ..surrogates import ExtrapolationWarning, ParameterBased, ResponseBased, VariableBased, accuracy
 from ..vehicles.full import FullCar
@@ -398,14 +398,14 @@ def _timed(run: Callable[[], Any]) -> tuple[Any, float]:
 
 def _check(road: Any, corner: Any, nonnegative: Any, car: Any) -> None:
     if not isinstance(road, Road):
-        raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {road!r}")
+        raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {briefly(road)}")
     if road.waviness != 2.0:
         raise ValueError(
             f"feasibility_study needs a road of waviness 2, got {road.waviness:g}; scan_scenarios takes other "
             "waviness on a coarser grid"
         )
     if not isinstance(car, Vehicle):
-        raise TypeError(f"vehicle must be a vehicle, such as FullCar(), got {car!r}")
+        raise TypeError(f"vehicle must be a vehicle, such as FullCar(), got {briefly(car)}")
     if not {"mb", *CARRIED} <= set(car.quantities()) or len(car.wheels) < 2:
         raise ValueError(f"vehicle must be a car of several wheels, such as FullCar(), got a {type(car).__name__}")
     if car.design_space().dims:
@@ -416,12 +416,12 @@ def _check(road: Any, corner: Any, nonnegative: Any, car: Any) -> None:
         if not all(value > 0.0 for value in car.at_wheels(name)):
             raise ValueError(f"vehicle needs {name} > 0 at every corner, to keep their ratio over the grid")
     if not isinstance(nonnegative, (bool, np.bool_)):
-        raise TypeError(f"nonnegative must be True or False, got {nonnegative!r}")
+        raise TypeError(f"nonnegative must be True or False, got {briefly(nonnegative)}")
 
 
 def _check_low_fidelity(cheap: Any) -> None:
     if not isinstance(cheap, Vehicle):
-        raise TypeError(f"low_fidelity must be a vehicle, such as QuarterCar(), got {cheap!r}")
+        raise TypeError(f"low_fidelity must be a vehicle, such as QuarterCar(), got {briefly(cheap)}")
     if len(cheap.wheels) != 1 or not {"ms", "ks", "cs"} <= set(cheap.quantities()):
         raise ValueError(
             f"low_fidelity must be a car on one wheel with ms, ks and cs, such as QuarterCar(), got a "
@@ -436,10 +436,10 @@ def _range(name: str, bounds: Any) -> tuple[float, float]:
     values = np.asarray(bounds)
     need = f"{name} must be two numbers {quantity.bound} {quantity.unit}, lowest and highest"
     if values.shape != (2,) or values.dtype.kind not in "iuf":
-        raise TypeError(f"{need}, got {bounds!r}")
+        raise TypeError(f"{need}, got {briefly(bounds)}")
     low, high = map(float, values)
     if not 0.0 < low < high < np.inf:
-        raise ValueError(f"{need}, got {bounds!r}")
+        raise ValueError(f"{need}, got {briefly(bounds)}")
     return low, high
 
 
@@ -449,7 +449,7 @@ def checked_nodes(nodes: Any) -> tuple[int, int]:
     try:
         springs, dampers = (operator.index(count) for count in nodes)
     except (TypeError, ValueError):
-        raise TypeError(f"{need}, got {nodes!r}") from None
+        raise TypeError(f"{need}, got {briefly(nodes)}") from None
     if min(springs, dampers) < 2:
-        raise ValueError(f"{need}, got {nodes!r}")
+        raise ValueError(f"{need}, got {briefly(nodes)}")
     return springs, dampers

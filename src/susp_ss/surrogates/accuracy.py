@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..quantities import briefly
+
 
 class Accuracy(NamedTuple):
     """R2, RMSE and MAE of a surrogate; the MAE is the MAXIMUM absolute error, as in the study."""
@@ -58,7 +60,7 @@ def accuracy(y_true: ArrayLike, y_pred: ArrayLike) -> Accuracy:
 def _responses(name: str, y: ArrayLike) -> np.ndarray:
     values = np.asarray(y)
     if values.dtype.kind not in "iuf":
-        raise ValueError(f"{name} must be numbers, got {y!r}")
+        raise ValueError(f"{name} must be numbers, got {briefly(y)}")
     if values.ndim != 1 or len(values) < 2:
         raise ValueError(f"{name} must be one row of at least two responses, got shape {values.shape}")
     if not np.isfinite(values).all():

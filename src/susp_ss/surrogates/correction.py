@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
 
+from ..quantities import briefly
 from .low_fidelity import evaluated
 from .regressor import DEPENDENT, Array, TunedModel
 
@@ -50,7 +51,7 @@ class _Correction(TunedModel):
         """Tune the coefficients to the expensive responses y (n,) at the designs X (n, k)."""
         designs, responses = self._runs(X, y)
         if not isinstance(self.nonnegative, bool | np.bool_):
-            raise ValueError(f"nonnegative must be True or False, got {self.nonnegative!r}")
+            raise ValueError(f"nonnegative must be True or False, got {briefly(self.nonnegative)}")
         columns, offset, names = self._split(designs, evaluated(self.low_fidelity, designs))
         keep = _kept(self.terms, columns.shape[1])
         kept_names = [name for name, kept in zip(names, keep, strict=True) if kept]
@@ -130,13 +131,14 @@ class ResponseBased(_Correction):
     def fit(self, X: ArrayLike, y: ArrayLike) -> ResponseBased:
         """Tune the coefficients to the expensive responses y (n,) at the designs X (n, k)."""
         if self.form not in ("linear", "power"):
-            raise ValueError(f"form must be 'linear' or 'power', got {self.form!r}")
+            raise ValueError(f"form must be 'linear' or 'power', got {briefly(self.form)}")
         if self.form == "linear":
             return super().fit(X, y)
         designs, responses = self._runs(X, y)
         if self.nonnegative or self.terms is not None:
             raise ValueError(
-                f"form='power' takes neither nonnegative nor terms, got {self.nonnegative!r} and {self.terms!r}"
+                "form='power' takes neither nonnegative nor terms, got "
+                f"{briefly(self.nonnegative)} and {briefly(self.terms)}"
             )
         f = _positive("the low-fidelity response", evaluated(self.low_fidelity, designs))
         a0, a1 = power_law(f, _positive("y", responses))
@@ -196,6 +198,14 @@ class VariableBased(_Correction):
     >>> surrogate.fit(X, X.prod(axis=1) + 1.0 - 0.5 * X[:, 0]).coef_.round(9).tolist()
     [-0.5, 0.0]
     """
+
+    def __init__(
+        self,
+        low_fidelity: Callable[[Any], Any],
+        nonnegative: bool = False,
+        terms: Sequence[bool] | None = None,
+    ):
+        super().__init__(low_fidelity, nonnegative, terms)
 
     def _split(self, X: Array, f: Array) -> tuple[Array, Array, list[str]]:
         return X, f, ["a0", *map(self._place, range(X.shape[1]))]
@@ -338,7 +348,7 @@ def _kept(terms: Sequence[bool] | None, columns: int) -> NDArray[np.bool_]:
     if kept.shape != (columns + 1,) or not all(isinstance(k, bool | np.bool_) for k in kept) or not kept.any():
         raise ValueError(
             f"terms must be {columns + 1} of True or False, one for each of a0 to a{columns} and at least one True, "
-            f"got {terms!r}"
+            f"got {briefly(terms)}"
         )
     return kept.astype(bool)
 

@@ -13,7 +13,7 @@ from sklearn.base import clone
 from sklearn.utils.validation import check_X_y
 from threadpoolctl import threadpool_limits
 
-from ..quantities import whole_number
+from ..quantities import briefly, whole_number
 from .regressor import Array
 
 # Up to this many runs each is left out alone; beyond, a tenth of them at a time.
@@ -78,7 +78,7 @@ def one_blas_thread() -> AbstractContextManager[Any]:
 def check_mapping(surrogates: Any) -> None:
     """Say when surrogates have no names."""
     if not isinstance(surrogates, Mapping) or not surrogates:
-        raise TypeError(f"surrogates must map names to regressors, got {surrogates!r}")
+        raise TypeError(f"surrogates must map names to regressors, got {briefly(surrogates)}")
 
 
 def shown(cases: Iterable[Any], what: str, progress: bool) -> Iterator[Any]:

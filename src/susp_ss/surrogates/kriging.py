@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.stats import qmc
 from sklearn.utils import check_random_state, gen_batches
 
-from ..quantities import whole_number
+from ..quantities import briefly, whole_number
 from .low_fidelity import check_callable, evaluated
 from .regressor import Approximation, Array
 
@@ -71,7 +71,7 @@ class _GaussianProcess(Approximation):
 
     def _check_trend(self, runs: int, coefficients: int = 0) -> None:
         if self.trend not in TRENDS:
-            raise ValueError(f"trend must be one of {', '.join(TRENDS)}, got {self.trend!r}")
+            raise ValueError(f"trend must be one of {', '.join(TRENDS)}, got {briefly(self.trend)}")
         needed = TRENDS[self.trend](self.n_features_in_) + coefficients + 1
         if runs < needed:
             raise ValueError(

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..quantities import briefly
+
 
 def evaluated(
     low_fidelity: Callable[..., Any],
@@ -43,4 +45,4 @@ def evaluated(
 def check_callable(low_fidelity: Any, name: str = "low_fidelity") -> None:
     """Say when the cheap model cannot be called."""
     if not callable(low_fidelity):
-        raise TypeError(f"{name} must be a callable of X (n, k) that returns (n,), got {low_fidelity!r}")
+        raise TypeError(f"{name} must be a callable of X (n, k) that returns (n,), got {briefly(low_fidelity)}")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from sklearn.utils.validation import check_is_fitted
 
+from ..quantities import briefly
 from .correction import ResponseBased, VariableBased
 from .kriging import CoKriging, Kriging
 from .parameter import ParameterBased
@@ -114,4 +115,4 @@ def _plain(name: str, value: Any) -> Any:
         return [_plain(name, part) for part in value]
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
-    raise TypeError(f"{name} must be a plain value to be saved, got {value!r}")
+    raise TypeError(f"{name} must be a plain value to be saved, got {briefly(value)}")

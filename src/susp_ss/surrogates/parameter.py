@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 from sklearn.utils import gen_batches
 
+from ..quantities import briefly
 from .low_fidelity import check_callable, evaluated
 from .regressor import TunedModel
 
@@ -141,10 +142,10 @@ class ParameterBased(TunedModel):
             return 0.2 * float(own), 4.0 * float(own)
         values = np.asarray(self.bounds, dtype=object)
         if values.shape != (2,) or not all(_is_number(value) for value in values):
-            raise ValueError(f"bounds must be two finite numbers (low, high), got {self.bounds!r}")
+            raise ValueError(f"bounds must be two finite numbers (low, high), got {briefly(self.bounds)}")
         low, high = map(float, values)
         if not low < high:
-            raise ValueError(f"bounds must rise from low to high, got {self.bounds!r}")
+            raise ValueError(f"bounds must rise from low to high, got {briefly(self.bounds)}")
         return low, high
 
 

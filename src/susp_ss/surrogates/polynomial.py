@@ -12,7 +12,7 @@ from sklearn.pipeline import Pipeline, make_pipeline
 from sklearn.preprocessing import PolynomialFeatures
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from ..quantities import whole_number
+from ..quantities import briefly, whole_number
 from .low_fidelity import evaluated
 from .regressor import DEPENDENT, Approximation, Array
 
@@ -124,7 +124,7 @@ class Polynomial(Approximation):
         if len(c) != 1:
             raise ValueError(f"center must be one design, got {len(c)}")
         if isinstance(degree, bool) or degree not in (1, 2):
-            raise ValueError(f"degree of a Taylor polynomial must be 1 or 2, got {degree!r}")
+            raise ValueError(f"degree of a Taylor polynomial must be 1 or 2, got {briefly(degree)}")
         h = STEP * np.abs(c[0]) if step is None else np.asarray(step, dtype=float)
         if h.shape != c[0].shape or not (np.isfinite(h) & (h > 0.0)).all():
             raise ValueError(f"step must be {c.size} number(s) > 0, one a variable, got {h.tolist()}")

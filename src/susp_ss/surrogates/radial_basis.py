@@ -15,7 +15,7 @@ from scipy.spatial.distance import cdist
 from scipy.special import xlogy
 from sklearn.preprocessing import PolynomialFeatures
 
-from ..quantities import whole_number
+from ..quantities import briefly, whole_number
 from .regressor import DEPENDENT, Approximation, Array
 
 # phi(r) with scipy's signs, after the study's Eqs 10 to 21, where r^2 ln r is 0 at r = 0, and Eq 15 has a misprint for
@@ -139,7 +139,7 @@ class RadialBasis(Approximation):
 
     def _degree(self) -> int:
         if self.kernel not in KERNELS:
-            raise ValueError(f"kernel must be one of {', '.join(KERNELS)}, got {self.kernel!r}")
+            raise ValueError(f"kernel must be one of {', '.join(KERNELS)}, got {briefly(self.kernel)}")
         least = LEAST_DEGREE[self.kernel]
         if self.degree is None:
             return max(least, 0)
@@ -150,9 +150,9 @@ class RadialBasis(Approximation):
         if self.shape is None:
             return None if self.kernel in SHAPED else 1.0
         if self.kernel not in SHAPED:
-            raise ValueError(f"kernel {self.kernel!r} has no shape, got {self.shape!r}; leave it None")
+            raise ValueError(f"kernel {self.kernel!r} has no shape, got {briefly(self.shape)}; leave it None")
         if isinstance(self.shape, bool) or not isinstance(self.shape, Real) or not 0.0 < self.shape < math.inf:
-            raise ValueError(f"shape must be a number > 0, got {self.shape!r}")
+            raise ValueError(f"shape must be a number > 0, got {briefly(self.shape)}")
         return float(self.shape)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import qmc
 
-from ..quantities import whole_number
+from ..quantities import briefly, whole_number
 
 METHODS = ("latin_hypercube", "sobol")
 
@@ -52,7 +52,7 @@ def sample(
     lows, highs = _sides(box)
     runs = whole_number("runs", runs, 1)
     if method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {briefly(method)}")
     rng = np.random.default_rng(random_state)
     if method == "sobol":
         unit = qmc.Sobol(len(box), rng=rng).random_base2(math.ceil(math.log2(runs)))[:runs]
@@ -63,15 +63,15 @@ def sample(
 
 def _sides(box: Any) -> tuple[list[float], list[float]]:
     if not isinstance(box, Mapping) or not box:
-        raise TypeError(f"box must map the name of each variable to (low, high), got {box!r}")
+        raise TypeError(f"box must map the name of each variable to (low, high), got {briefly(box)}")
     lows, highs = [], []
     for name, side in box.items():
         try:
             low, high = map(float, side)
         except (TypeError, ValueError):
-            raise ValueError(f"box[{name!r}] must be two numbers (low, high), got {side!r}") from None
+            raise ValueError(f"box[{name!r}] must be two numbers (low, high), got {briefly(side)}") from None
         if not -math.inf < low < high < math.inf:
-            raise ValueError(f"box[{name!r}] must rise between finite numbers, got {side!r}")
+            raise ValueError(f"box[{name!r}] must rise between finite numbers, got {briefly(side)}")
         lows.append(low)
         highs.append(high)
     return lows, highs

@@ -20,6 +20,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 
+from ..quantities import briefly
 from . import bootstrap
 from .accuracy import Accuracy, accuracy
 from .folds import (
@@ -404,5 +405,5 @@ def _row(validation: Validation) -> dict[str, Any]:
 
 def _checked_confidence(confidence: Any) -> float:
     if isinstance(confidence, bool) or not isinstance(confidence, float | int) or not 0.0 < confidence < 1.0:
-        raise ValueError(f"confidence must be a number between 0 and 1, got {confidence!r}")
+        raise ValueError(f"confidence must be a number between 0 and 1, got {briefly(confidence)}")
     return float(confidence)

@@ -31,6 +31,7 @@ from rich.progress import MofNCompleteColumn, Progress
 
 from .. import __version__
 from ..metrics.blocks import block_metrics, taken_apart
+from ..quantities import briefly
 from ..responses.excitation import check_kinds
 from ..roads.road import Road
 from ..vehicles.files import entry, model_name
@@ -130,7 +131,7 @@ def sweep(
     _need_libraries(scheduler)
     check_kinds(vehicle, road)
     if method not in MOST_DESIGNS:
-        raise ValueError(f"method of a sweep must be one of {', '.join(MOST_DESIGNS)}, got {method!r}")
+        raise ValueError(f"method of a sweep must be one of {', '.join(MOST_DESIGNS)}, got {briefly(method)}")
     frame, arrays = taken_apart(_along(vehicle, axes))
     sizes = {name: arrays.sizes[name] for name in axes}
     chunk = _chunk(sizes, MOST_DESIGNS[method])
@@ -195,7 +196,7 @@ def _along(vehicle: Vehicle, axes: Mapping[str, ArrayLike]) -> Vehicle:
                 raise ValueError(f"axes {other} and {name} both set {field} at {', '.join(both)}; pass one of them")
         values = np.asarray(given)
         if values.ndim != 1 or values.dtype.kind not in "iuf" or len(np.unique(values)) < values.size:
-            raise ValueError(f"axes[{name!r}] must be a row of different numbers, got {given!r}")
+            raise ValueError(f"axes[{name!r}] must be a row of different numbers, got {briefly(given)}")
         at = "" if name == field else f" at {', '.join(wheels)}"
         labels = {"units": quantities[field].unit, "long_name": f"{quantities[field].meaning}{at}"}
         arrays[name] = xr.DataArray(values, {name: (name, values.astype(float), labels)})

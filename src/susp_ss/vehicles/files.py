@@ -21,7 +21,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from ..quantities import units_of
+from ..quantities import briefly, units_of
 from ..units import Stated, factor_of, implausible
 from . import MODELS
 from .parameters import Corners
@@ -226,7 +226,7 @@ def vehicle_of(table: dict[str, Any], trust_units: bool = False) -> Vehicle:
     car = model_named(table["model"])
     parameters = table.get("parameters", {})
     if not isinstance(parameters, dict):
-        raise ValueError(f"parameters must be a table, [parameters], got {parameters!r}")
+        raise ValueError(f"parameters must be a table, [parameters], got {briefly(parameters)}")
     _refuse_unknown("parameter", parameters, tuple(car.quantities()), f" of the model {table['model']!r}")
     return car(**{name: _value(car, name, entry, trust_units) for name, entry in parameters.items()})
 
@@ -236,12 +236,14 @@ def _value(car: type[Vehicle], name: str, entry: Any, trust_units: bool) -> Any:
     own, units = quantity.unit, units_of(quantity.unit)
     wheels = tuple(car.wheels) if name in car.per_corner else ()
     if not isinstance(entry, dict):
-        raise ValueError(f'{name} must state its unit, {name} = {{ value = ..., unit = "{own}" }}, got {entry!r}')
+        raise ValueError(
+            f'{name} must state its unit, {name} = {{ value = ..., unit = "{own}" }}, got {briefly(entry)}'
+        )
     _refuse_unknown("key", entry, ("value", *wheels, "unit"), f" of {name}")
     unit = entry.get("unit")
     factor = factor_of(unit, quantity) if isinstance(unit, str) else None
     if not isinstance(unit, str) or factor is None:
-        got = f", got {unit!r}" if "unit" in entry else ", got none"
+        got = f", got {briefly(unit)}" if "unit" in entry else ", got none"
         raise ValueError(f"{name}.unit must be one of {', '.join(units)}{got}")
 
     def number(key: str) -> float:
@@ -264,7 +266,7 @@ def _value(car: type[Vehicle], name: str, entry: Any, trust_units: bool) -> Any:
 
 def _number(where: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"{where} must be a number, got {value!r}")
+        raise ValueError(f"{where} must be a number, got {briefly(value)}")
     try:
         return float(value)
     except OverflowError:

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..quantities import DIMS, METRICS, Quantity
+from ..quantities import DIMS, METRICS, Quantity, briefly
 
 # A dim or coordinate of a sweep may not have the name of one of a result's.
 RESERVED = {*DIMS, *METRICS}
@@ -76,7 +76,7 @@ def checked(value: Any, where: str, quantity: Quantity) -> Any:
     except ValueError:
         raise TypeError(f"{where} {need}, got rows of different lengths") from None
     if values.dtype.kind not in "iuf" or np.ma.is_masked(value):
-        raise TypeError(f"{where} {need}, got {value!r}; pass a number, an array or an xarray.DataArray")
+        raise TypeError(f"{where} {need}, got {briefly(value)}; pass a number, an array or an xarray.DataArray")
     if values.size == 0:
         raise ValueError(f"{where} {need}, got an empty array")
     values = values.astype(float)

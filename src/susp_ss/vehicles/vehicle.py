@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..quantities import PARAMETERS, Quantity, signal
+from ..quantities import PARAMETERS, Quantity, briefly, signal
 from .decoupled import Half, halves
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
@@ -262,9 +262,9 @@ class Vehicle:
         import control
 
         if not isinstance(actuators, bool | np.bool_):
-            raise TypeError(f"actuators must be True or False, got {actuators!r}")
+            raise TypeError(f"actuators must be True or False, got {briefly(actuators)}")
         if input not in ("displacement", "velocity"):
-            raise ValueError(f"input must be 'displacement' or 'velocity', got {input!r}")
+            raise ValueError(f"input must be 'displacement' or 'velocity', got {briefly(input)}")
         model = self.single("state_space()")
         layout, table = model.layout, model.layout.outputs
         rows = slice(len(table)) if actuators else table.public

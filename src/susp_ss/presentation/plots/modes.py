@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Polygon
 from numpy.typing import NDArray
 
+from ...quantities import briefly
 from ...vehicles.second_order import coefficients
 from ...vehicles.vehicle import Vehicle
 from .style import COLUMN, LINES, STYLE, WIDTH, add_legend, panels
@@ -104,7 +105,7 @@ def mode_shape(vehicle: Vehicle, mode: int, phase: float = 0.0, ax: Axes | None 
     """
     modes = vehicle.modes()
     if mode not in modes.index:
-        raise ValueError(f"mode must be 0 to {len(modes) - 1} for {type(vehicle).__name__}, got {mode!r}")
+        raise ValueError(f"mode must be 0 to {len(modes) - 1} for {type(vehicle).__name__}, got {briefly(mode)}")
     chosen = modes.loc[mode]
     with mpl.rc_context(STYLE):
         figure, given = panels(ax, 1, 1, (COLUMN, 1.8))

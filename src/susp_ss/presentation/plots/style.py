@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ...quantities import KNOWN, titled, units_of
+from ...quantities import KNOWN, briefly, titled, units_of
 
 STYLE: Any = {
     "font.size": 8.0,
@@ -52,7 +52,7 @@ def panels(ax: Any, rows: int, columns: int, size: tuple[float, float], **subplo
         return figure, figure.subplots(rows, columns, squeeze=False, **subplots)
     given = np.atleast_1d(np.asarray(ax, dtype=object))
     if not all(isinstance(axes, Axes) for axes in given.flat):
-        raise TypeError(f"ax must be matplotlib Axes, got {ax!r}")
+        raise TypeError(f"ax must be matplotlib Axes, got {briefly(ax)}")
     if given.size != rows * columns:
         raise ValueError(f"ax must be one Axes a panel, {rows} x {columns}, got {given.size}")
     return given.flat[0].figure, given.reshape(rows, columns)
