@@ -84,11 +84,7 @@ def _lines(found: dict[str, Any]) -> list[tuple[str, str]]:
     libraries = ", ".join(dict.fromkeys(f"{blas['name']} {blas['version']}" for blas in found["blas"])) or "not known"
     fewer = "; many small problems are faster with one: set OPENBLAS_NUM_THREADS=1" if threads > 1 else ""
     size = found["compiled"]["bytes"]
-    kept = (
-        f"{size / 1e6:.1f} MB; may be deleted"
-        if size
-        else "nothing yet; the first very large sweep compiles for some ten seconds"
-    )
+    kept = f"{size / 1e6:.1f} MB, which may be deleted" if size else "nothing yet"
     return [
         ("python", found["python"]),
         ("package", found["package"]),
