@@ -259,17 +259,18 @@ def _read_parquet(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, s
 
 def _read_netcdf(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, str]) -> _Table:
     columns = {**inputs, **outputs}
-    # The libraries below report a missing file and a broken one alike.
-    with path.open("rb") as file:
-        classic = file.read(4) in CLASSIC
+    # netCDF4 reports a missing file and a broken one alike, and scipy takes bytes.
+    raw = path.read_bytes()
+    classic = raw.startswith(CLASSIC)
     if not classic:
         with needing("netcdf", f"{path}: a NetCDF 4 file"):
             import netCDF4  # noqa: F401
+    source, engine = (io.BytesIO(raw), "scipy") if classic else (path, "netcdf4")
     try:
-        with xr.open_dataset(path, engine="scipy" if classic else "netcdf4", decode_times=False) as dataset:
+        with xr.open_dataset(source, engine=engine, decode_times=False) as dataset:
             available = [str(name) for name in dataset.variables]
             arrays = dataset[[column for column in columns.values() if column in available]].load()
-    except (OSError, RuntimeError, ValueError, TypeError, KeyError) as error:
+    except (OSError, RuntimeError, ValueError, TypeError, LookupError) as error:
         raise _unreadable(path, "NetCDF", error) from error
     _check_header(str(path), available, columns.values())
     spanned = list(dict.fromkeys(dim for column in inputs.values() for dim in arrays[column].dims))
