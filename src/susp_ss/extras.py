@@ -48,8 +48,9 @@ def needing(extra: str, who: str) -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
-        need = f"{who} needs {error.name}, which is not installed; run {installation(extra)}"
-        raise ModuleNotFoundError(need, name=error.name) from None
+        library = str(error.name).partition(".")[0]
+        need = f"{who} needs {library}, which is not installed; run {installation(extra)}"
+        raise ModuleNotFoundError(need, name=library) from None
 
 
 def installation(extra: str) -> str:
