@@ -5,7 +5,7 @@ BIN := .venv/bin
 # The linear algebra here is many small problems: one thread each beats many threads for one.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: study test test-kernel bench notebooks clean
+.PHONY: study test test-kernel test-lowest wheel test-wheel bench notebooks clean
 
 study: .venv/installed
 	$(BIN)/susp-ss study --out results --force
@@ -18,17 +18,32 @@ test: .venv/installed-test
 
 # Rounding differs from one processor's kernel to another's; what the numerical tests find must not.
 KERNEL ?= PRESCOTT
+NUMERICAL := tests/responses tests/metrics tests/surrogates tests/vehicles
 
 test-kernel: .venv/installed-test
-	OPENBLAS_CORETYPE=$(KERNEL) $(BIN)/pytest -m "not slow" tests/responses tests/metrics tests/surrogates tests/vehicles
+	OPENBLAS_CORETYPE=$(KERNEL) $(BIN)/pytest -m "not slow" $(NUMERICAL)
 
-bench: .venv/installed
+# The numerical tests with every direct dependency at the lower bound of pyproject.toml.
+test-lowest:
+	test -x .venv-lowest/bin/python || $(PYTHON) -m venv .venv-lowest
+	.venv-lowest/bin/python -m pip install --quiet uv
+	.venv-lowest/bin/uv pip install --quiet --python .venv-lowest/bin/python --resolution lowest-direct --editable '.[test]'
+	.venv-lowest/bin/pytest -m "not slow" $(NUMERICAL)
+
+wheel: .venv/installed-test
+	rm -rf dist
+	PIP_CONSTRAINT=$(CURDIR)/constraints.txt $(BIN)/python -m build --outdir dist
+
+test-wheel: wheel
+	PIP_CONSTRAINT=$(CURDIR)/constraints.txt $(BIN)/python .ci/try_wheel.py dist/*.whl
+
+bench: .venv/installed-test
 	$(BIN)/python benchmarks/ride_metrics.py
 	$(BIN)/python benchmarks/surrogates.py
 
 .venv/installed: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[pages,kriging]'
 	touch $@
 
 .venv/installed-test: .venv/installed
@@ -44,4 +59,4 @@ notebooks: .venv/installed-notebooks
 	touch $@
 
 clean:
-	rm -rf .venv results
+	rm -rf .venv .venv-lowest dist results

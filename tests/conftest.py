@@ -1,5 +1,6 @@
 """What several tests use."""
 
+import sys
 from typing import NamedTuple
 
 import hypothesis
@@ -34,6 +35,19 @@ def run(capsys):
         return Ran(end.value.code, captured.out, captured.err)
 
     return ran
+
+
+@pytest.fixture
+def missing(monkeypatch):
+    """Make a library seem not installed, and forget what has loaded it already."""
+
+    def hide(library, loaded_by=()):
+        for name in list(sys.modules):
+            if f"{name}.".startswith((f"{library}.", *(f"{module}." for module in loaded_by))):
+                monkeypatch.delitem(sys.modules, name)
+        monkeypatch.setitem(sys.modules, library, None)
+
+    return hide
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -11,6 +11,7 @@ import susp_ss
 ROOT = Path(susp_ss.__file__).parent
 
 ROOMS = (
+    "extras",
     "quantities",
     "units",
     "vehicles",
@@ -23,6 +24,7 @@ ROOMS = (
     "sweep",
     "presentation",
     "cli",
+    "__main__",
 )
 """From the ground up: a room imports from those before it only."""
 

@@ -1,6 +1,5 @@
 """Tables of runs: what any kind of file says is what is read, and what it may not say is refused at its place."""
 
-import builtins
 import csv
 import io
 from fractions import Fraction
@@ -51,15 +50,15 @@ def refusal(write):
     return refused
 
 
-def as_file(table, path, units=None):
-    """Write a table as the kind of file that the path's suffix names."""
+def as_file(table, path, units=None, engine="netcdf4"):
+    """Write a table as the kind of file that the path's suffix names; NetCDF of version 3 by scipy, 4 by netCDF4."""
     if path.suffix == ".parquet":
         table.to_parquet(path)
     elif path.suffix == ".nc":
         data = table.rename_axis("run").to_xarray()
         for column, unit in (units or {}).items():
             data[column].attrs["units"] = unit
-        data.to_netcdf(path)
+        data.to_netcdf(path, engine=engine)
     else:
         table.to_csv(path, index=False, sep="\t" if path.suffix == ".tsv" else ",")
     return path
@@ -429,10 +428,13 @@ def test_netcdf_refuses_a_unit_of_another_kind_and_outputs_of_other_dims(tmp_pat
         read_runs(tmp_path / "points.nc", {"ks": "K_S"}, {"bacc": "acc"})
 
 
-@pytest.mark.parametrize(("suffix", "kind"), [(".parquet", "Parquet"), (".nc", "NetCDF")])
-@pytest.mark.parametrize("kept", [0.0, 0.001, 0.1, 0.5, 0.9, 0.999])
-def test_a_truncated_file_is_refused(suffix, kind, kept, tmp_path):
-    path = as_file(TABLE, tmp_path / f"runs{suffix}")
+@pytest.mark.parametrize(
+    ("suffix", "kind", "engine"),
+    [(".parquet", "Parquet", None), (".nc", "NetCDF", "netcdf4"), (".nc", "NetCDF", "scipy")],
+)
+@pytest.mark.parametrize("kept", [0.0, 0.001, 0.1, 0.3, 0.5, 0.7, 0.9, 0.999])
+def test_a_truncated_file_is_refused(suffix, kind, engine, kept, tmp_path):
+    path = as_file(TABLE, tmp_path / f"runs{suffix}", engine=engine)
     raw = path.read_bytes()
     path.write_bytes(raw[: int(kept * len(raw))])
     with pytest.raises(ValueError, match=rf"runs{suffix}: not a readable {kind} file: .") as error:
@@ -440,18 +442,25 @@ def test_a_truncated_file_is_refused(suffix, kind, kept, tmp_path):
     assert "\n" not in str(error.value)
 
 
-def test_without_pyarrow_one_line_says_how_to_get_it(tmp_path, monkeypatch):
-    path = as_file(TABLE, tmp_path / "runs.parquet")
-    real = builtins.__import__
-
-    def without(name, *rest):
-        if name.split(".")[0] == "pyarrow":
-            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-        return real(name, *rest)
-
-    monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(ModuleNotFoundError, match=r"runs\.parquet: .* run pip install 'susp_ss\[parquet\]'$"):
+@pytest.mark.parametrize(
+    ("suffix", "library", "extra"), [("parquet", "pyarrow", "parquet"), ("nc", "netCDF4", "netcdf")]
+)
+def test_without_a_library_one_line_says_how_to_get_it(suffix, library, extra, tmp_path, missing):
+    path = as_file(TABLE, tmp_path / f"runs.{suffix}")
+    missing(library)
+    said = rf"runs\.{suffix}: .* needs {library}, which is not installed; run .* -m pip install .*\[{extra}\]"
+    with pytest.raises(ModuleNotFoundError, match=said) as error:
         read_runs(path, INPUTS, OUTPUTS)
+    assert "\n" not in str(error.value)
+
+
+def test_netcdf_of_version_3_needs_no_more_than_scipy(tmp_path, missing):
+    path = as_file(TABLE, tmp_path / "runs.nc", {"K_S": "N/mm"}, engine="scipy")
+    expected = read_runs(as_file(TABLE, tmp_path / "four.nc", {"K_S": "N/mm"}), INPUTS, OUTPUTS)
+    missing("netCDF4")
+    runs = read_runs(path, INPUTS, OUTPUTS)
+    pd.testing.assert_frame_equal(runs.designs, expected.designs)
+    pd.testing.assert_frame_equal(runs.responses, expected.responses)
 
 
 like_a_table = st.text(st.sampled_from(list('018.eE+-_,;\t\r\n "#KSacgmN/x²\x00\ufeff')), max_size=60)

@@ -302,6 +302,20 @@ def test_save_keeps_results_unless_forced(study, tmp_path):
     assert names(tmp_path) == sorted([*DATA, "notes.txt"])
 
 
+def test_without_plotly_all_is_saved_but_the_page(study, tmp_path, missing):
+    missing("plotly", loaded_by=["susp_ss.presentation.pages"])
+    with pytest.warns(UserWarning, match=r"^report\.html needs plotly, .* run .*\[pages\].* files are written\)$"):
+        ss.save(study, tmp_path, figures=False)
+    assert names(tmp_path) == sorted({*DATA} - {"report.html"})
+
+
+def test_the_responses_are_saved_for_any_netcdf_library(study, tmp_path):
+    ss.save(study, tmp_path, figures=False)
+    for engine in ("scipy", "netcdf4"):
+        with xr.open_dataset(tmp_path / "responses.nc", engine=engine) as saved:
+            xr.testing.assert_identical(saved.load(), study.responses)
+
+
 def test_save_into_a_file_is_refused(study, tmp_path):
     (tmp_path / "results").write_text("mine")
     with pytest.raises(NotADirectoryError, match="is a file"):

@@ -1,4 +1,4 @@
-"""The command line: ``susp-ss study | metrics | bode | sweep | fit | predict``.
+"""The command line: ``susp-ss study | metrics | bode | sweep | fit | predict | doctor``.
 
 Bad input ends with exit code 2 and one line on stderr; whatever else goes wrong is a bug and keeps its traceback.
 Numerical libraries are imported inside the commands, so that ``--help`` answers at once.
@@ -11,16 +11,13 @@ from typing import Annotated
 
 import typer
 
-from . import bode, fit, metrics, predict, study, sweep
+from . import bode, doctor, fit, metrics, predict, study, sweep
+from .commands import Command, Commands
 from .refusals import Refusal
 
-app = typer.Typer(add_completion=False, no_args_is_help=False, pretty_exceptions_enable=False)
-app.command("study")(study.run)
-app.command("metrics")(metrics.run)
-app.command("bode")(bode.run)
-app.command("sweep")(sweep.run)
-app.command("fit")(fit.run)
-app.command("predict")(predict.run)
+app = typer.Typer(cls=Commands, no_args_is_help=False, pretty_exceptions_enable=False)
+for _module in (study, metrics, bode, sweep, fit, predict, doctor):
+    app.command(_module.__name__.rpartition(".")[2], cls=Command)(_module.run)
 
 
 def _print_version(wanted: bool) -> None:

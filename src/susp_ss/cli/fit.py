@@ -110,10 +110,7 @@ def run(
     with refusals():
         from ..fit import LowFidelity, fit_runs, read_runs
 
-        try:
-            table = read_runs(runs, **asked, units=_pairs("--units", units or []))
-        except ModuleNotFoundError as error:
-            raise Refusal(str(error)) from error
+        table = read_runs(runs, **asked, units=_pairs("--units", units or []))
         fit = fit_runs(
             table,
             LowFidelity(vehicle, road, at, tune),

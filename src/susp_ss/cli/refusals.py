@@ -13,14 +13,15 @@ class Refusal(Exception):
 def refusals() -> Iterator[None]:
     """Turn a refusal of the package into `Refusal`.
 
-    An OSError speaks for itself. A ValueError or TypeError is the package's word about its arguments only where the
-    package raised it; from inside another library it is a bug, and passes.
+    An OSError speaks for itself. A ValueError or TypeError is the package's word about its arguments, and a
+    ModuleNotFoundError its word about an extra, only where the package raised it; from inside another library it is a
+    bug, and passes.
     """
     try:
         yield
     except OSError as error:
         raise Refusal(f"{error.filename}: {error.strerror}" if error.filename else str(error)) from error
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, ModuleNotFoundError) as error:
         *_, (frame, _) = traceback.walk_tb(error.__traceback__)
         if frame.f_globals.get("__name__", "").split(".")[0] != "susp_ss":
             raise

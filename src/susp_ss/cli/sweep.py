@@ -56,8 +56,6 @@ def run(
         how: Any = {"method": method, "scheduler": scheduler, "progress": Console(stderr=True).is_terminal}
         try:
             done = sweep(vehicle, road, axes, store, **how)
-        except ModuleNotFoundError as error:
-            raise Refusal(str(error)) from error
         except KeyboardInterrupt as stopped:
             typer.echo(f"susp-ss: stopped: {stopped}" if stopped.args else "susp-ss: stopped", err=True)
             raise typer.Exit(130) from None

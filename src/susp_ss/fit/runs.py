@@ -24,12 +24,16 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from ..extras import needing
 from ..quantities import KNOWN, UNITS, Quantity, briefly, quantity_of, units_of
 from ..units import DECIMAL_COMMA, NUMBER, factor_of, plain_unit
 from ..vehicles.files import models, utf8_text
 
 NAMES = {name: quantity for model in models().values() for name, quantity in model.quantities().items()} | KNOWN
 """Parameters of vehicles and roads, and metrics, which are root mean squares or mean powers."""
+
+# How a NetCDF file begins that is no HDF5 file; scipy reads it.
+CLASSIC = (b"CDF\x01", b"CDF\x02")
 
 UNKNOWN = Quantity("", "", "")
 
@@ -87,8 +91,9 @@ def read_runs(
     path : path
         By its suffix: ``.csv``, ``.txt`` or ``.tsv``: UTF-8 text, a header and one line a run, separated by tabs,
         semicolons or commas, whichever of these comes first in this list and stands in the header; blank lines and
-        lines that begin with # are skipped. ``.parquet`` (needs pyarrow). ``.nc``: NetCDF variables of one dim, or
-        outputs on a grid whose dims the inputs, which may be coordinates, span together.
+        lines that begin with # are skipped. ``.parquet`` (needs pyarrow). ``.nc``: NetCDF, of version 4 if
+        netCDF4 is installed: variables of one dim, or outputs on a grid whose dims the inputs, which may be
+        coordinates, span together.
     inputs, outputs : mapping of str to str
         For each name in this package's terms, its column in the file: ``{"ks": "K_S"}``. Parameters of vehicles
         (``ks``, ``cs``, ``ms``, ...), of roads (``speed``, ``roughness``, ``cutoff``) and metrics (``bacc``, ``sws``,
@@ -108,7 +113,7 @@ def read_runs(
     OSError
         The file cannot be read.
     ModuleNotFoundError
-        A Parquet file, without pyarrow.
+        A Parquet file without pyarrow, or a NetCDF 4 file without netCDF4.
     ValueError
         The file is not what its suffix says, or its suffix is unknown; a column is missing, there twice or asked for
         twice; a line is too short or too long; a cell is empty or no number, not finite, or beyond the bound of its
@@ -240,12 +245,9 @@ def _stated(path: Path, line: int, columns: Mapping[str, str], cells: Mapping[st
 def _read_parquet(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, str]) -> _Table:
     columns = {**inputs, **outputs}
     raw = path.read_bytes()
-    try:
+    with needing("parquet", f"{path}: a Parquet file"):
         import pyarrow
         import pyarrow.parquet
-    except ModuleNotFoundError as error:
-        need = f"{path}: a Parquet file needs pyarrow, which is not installed; run pip install 'susp_ss[parquet]'"
-        raise ModuleNotFoundError(need, name=error.name) from None
     # From memory, an OSError says that the bytes are wrong.
     broken = (pyarrow.ArrowException, OSError, ValueError)
     try:
@@ -263,14 +265,18 @@ def _read_parquet(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, s
 
 def _read_netcdf(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, str]) -> _Table:
     columns = {**inputs, **outputs}
-    # The library below reports a missing file and a broken one alike.
-    with path.open("rb"):
-        pass
+    # netCDF4 reports a missing file and a broken one alike, and scipy takes bytes.
+    raw = path.read_bytes()
+    classic = raw.startswith(CLASSIC)
+    if not classic:
+        with needing("netcdf", f"{path}: a NetCDF 4 file"):
+            import netCDF4  # noqa: F401
+    source, engine = (io.BytesIO(raw), "scipy") if classic else (path, "netcdf4")
     try:
-        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
+        with xr.open_dataset(source, engine=engine, decode_times=False) as dataset:
             available = [str(name) for name in dataset.variables]
             arrays = dataset[[column for column in columns.values() if column in available]].load()
-    except (OSError, RuntimeError, ValueError, TypeError, KeyError) as error:
+    except (OSError, RuntimeError, ValueError, TypeError, LookupError) as error:
         raise _unreadable(path, "NetCDF", error) from error
     _check_header(str(path), available, columns.values())
     spanned = list(dict.fromkeys(dim for column in inputs.values() for dim in arrays[column].dims))

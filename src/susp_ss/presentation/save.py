@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,6 +14,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 from matplotlib.figure import Figure
 
+from ..extras import needing
 from ..fit.fitting import Fit
 from ..study.feasibility import Study
 from ..study.published import FIGURES, SURROGATES
@@ -55,7 +58,8 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
     A `Study` becomes ``tables.csv`` (one row an entry: ours, published, unit), ``tables.json`` (the same with scenario,
     held-out accuracy, cost and versions), ``responses.nc``, ``figures/`` and ``report.html``. A `Fit` becomes
     ``surrogate.json``, ``accuracy.csv``, ``predictions.csv``, ``figures/``, ``report.md`` and ``report.html``. A `Scan`
-    becomes ``scan.csv`` and ``scan.png``. A page is one file that opens in a browser without a network.
+    becomes ``scan.csv`` and ``scan.png``. A page is one file that opens in a browser without a network; it needs the
+    extra ``pages``.
 
     Parameters
     ----------
@@ -75,6 +79,11 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
         The folder holds results and ``force`` is False.
     OSError
         The folder cannot be written. Whatever the error, nothing half written is left.
+
+    Warns
+    -----
+    UserWarning
+        The page is left out, for its extra is not installed.
 
     Examples
     --------
@@ -110,18 +119,29 @@ def kind_of(result: type) -> Kind:
     return KINDS[result]
 
 
+@contextmanager
+def _unless_missed(page: str) -> Iterator[None]:
+    """Leave a page out, and say so, where what it takes is not installed."""
+    try:
+        with needing("pages", page):
+            yield
+    except ModuleNotFoundError as error:
+        warnings.warn(f"{error} (the other files are written)", stacklevel=2)
+
+
 # A study
 
 
 def _write_study(study: Study, folder: Path, figures: bool) -> None:
-    from .pages.study import study_page
-
     document = study_document(study)
     study.comparison().to_csv(folder / "tables.csv", index=False)
     (folder / "tables.json").write_text(json.dumps(document, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    study.responses.to_netcdf(folder / "responses.nc", engine="netcdf4")
+    study.responses.to_netcdf(folder / "responses.nc", engine="scipy")
     stills = _draw_study(study, folder) if figures else {}
-    (folder / PAGE).write_text(study_page(study, document, stills), encoding="utf-8")
+    with _unless_missed(PAGE):
+        from .pages.study import study_page
+
+        (folder / PAGE).write_text(study_page(study, document, stills), encoding="utf-8")
 
 
 def _draw_study(study: Study, folder: Path) -> dict[str, Path]:
@@ -144,14 +164,15 @@ def _study_figures(study: Study) -> Iterator[Figure]:
 
 
 def _write_fit(fit: Fit, folder: Path, figures: bool) -> None:
-    from .pages.fit import fit_page
-
     fit.surrogate.save(folder / SURROGATE)
     accuracy_table(fit).to_csv(folder / ACCURACY, index=False)
     predictions(fit).to_csv(folder / PREDICTIONS, index=False)
     drawn = _draw_fit(fit, folder) if figures else {}
     maps = {output: folder / file for (kind, output), file in drawn.items() if kind == "map"}
-    (folder / PAGE).write_text(fit_page(fit, maps), encoding="utf-8")
+    with _unless_missed(PAGE):
+        from .pages.fit import fit_page
+
+        (folder / PAGE).write_text(fit_page(fit, maps), encoding="utf-8")
     (folder / REPORT).write_text(_markdown(fit, drawn), encoding="utf-8")
 
 

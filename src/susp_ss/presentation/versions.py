@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import importlib.metadata
 import platform
+from contextlib import suppress
 
 _PACKAGES = ("susp_ss", "numpy", "scipy", "xarray", "scikit-learn", "smt", "cvxpy", "matplotlib", "plotly")
 
 
 def versions() -> dict[str, str]:
-    """Return versions of Python, of this package and of those that compute and draw for it.
+    """Return versions of Python, of this package and of those that compute and draw for it, where installed.
 
     Examples
     --------
@@ -17,4 +18,8 @@ def versions() -> dict[str, str]:
     >>> list(versions())[:2]
     ['python', 'susp_ss']
     """
-    return {"python": platform.python_version(), **{name: importlib.metadata.version(name) for name in _PACKAGES}}
+    found = {"python": platform.python_version()}
+    for name in _PACKAGES:
+        with suppress(importlib.metadata.PackageNotFoundError):
+            found[name] = importlib.metadata.version(name)
+    return found

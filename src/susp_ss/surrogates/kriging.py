@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.stats import qmc
 from sklearn.utils import check_random_state, gen_batches
 
+from ..extras import needing
 from ..quantities import briefly, whole_number
 from .low_fidelity import check_callable, evaluated
 from .regressor import Approximation, Array
@@ -136,6 +137,8 @@ class Kriging(_GaussianProcess):
     ValueError
         From `fit`: an unknown trend, one design with two responses (its rows are named), a constant column, or too few
         runs for the trend.
+    ModuleNotFoundError
+        From `fit`: SMT is not installed; the message says how to get it.
 
     Warns
     -----
@@ -172,7 +175,8 @@ class Kriging(_GaussianProcess):
         return self
 
     def _process(self, thetas: Any = None) -> None:
-        from smt.surrogate_models import KRG
+        with needing("kriging", "Kriging"):
+            from smt.surrogate_models import KRG
 
         self._krige(KRG, self.runs_, thetas=thetas)
         self.theta_ = self.scaled_thetas_ * (self.box_.scale_ / self.model_.X_scale) ** 2
@@ -219,6 +223,8 @@ class CoKriging(_GaussianProcess):
     ------
     TypeError, ValueError
         From `fit`: a low-fidelity model that is not callable or returns no finite (n,), bad samples, and as `Kriging`.
+    ModuleNotFoundError
+        As `Kriging`.
 
     Warns
     -----
@@ -268,7 +274,8 @@ class CoKriging(_GaussianProcess):
         return self
 
     def _process(self, thetas: Any = None) -> None:
-        from smt.applications import MFK
+        with needing("kriging", "Kriging"):
+            from smt.applications import MFK
 
         self._krige(MFK, self.cheap_runs_, self.runs_, thetas=thetas)
         self.rho_ = float(self.model_.optimal_par[-1]["beta"][0, 0])

@@ -196,7 +196,7 @@ def _tried(surrogate: Any, fitted: Runs, test: Runs) -> dict[str, Any]:
     start = time.perf_counter()
     try:
         model = unfitted(surrogate).fit(*fitted)
-    except (ValueError, RuntimeError) as error:
+    except (ValueError, RuntimeError, ModuleNotFoundError) as error:
         return {"refused": str(error)}
     seconds = time.perf_counter() - start
     with warnings.catch_warnings():

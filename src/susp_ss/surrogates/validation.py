@@ -306,7 +306,7 @@ def compare(
     Returns
     -------
     Comparison
-        A surrogate that cannot be fitted to every fold is listed in ``refused``.
+        A surrogate that cannot be fitted to every fold, or needs what is not installed, is listed in ``refused``.
 
     Raises
     ------
@@ -314,6 +314,11 @@ def compare(
         ``surrogates`` is no mapping, or empty.
     ValueError
         As `cross_validate`, or no surrogate could be fitted.
+
+    Warns
+    -----
+    UserWarning
+        A surrogate needs what is not installed; the message says how to get it.
 
     Examples
     --------
@@ -341,6 +346,9 @@ def compare(
             validations[name] = _cross_validated(surrogate, X, y, splits, confidence)
         except (ValueError, RuntimeError) as error:
             refused[name] = str(error)
+        except ModuleNotFoundError as error:
+            refused[name] = f"{error.name} is not installed"
+            warnings.warn(str(error), stacklevel=2)
         seconds[name] = time.perf_counter() - start
     if not validations:
         raise ValueError("no surrogate can be fitted: " + "; ".join(f"{name}: {why}" for name, why in refused.items()))

@@ -30,6 +30,7 @@ from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress
 
 from .. import __version__
+from ..extras import needing
 from ..metrics.blocks import block_metrics, taken_apart
 from ..quantities import briefly
 from ..responses.excitation import check_kinds
@@ -165,12 +166,9 @@ def sweep(
 
 
 def _need_libraries(scheduler: str | None) -> None:
-    for name in ("dask.array", "zarr") if scheduler is None else ("dask.array", "zarr", "distributed"):
-        try:
+    with needing("distributed", "a sweep"):
+        for name in ("dask.array", "zarr") if scheduler is None else ("dask.array", "zarr", "distributed"):
             importlib.import_module(name)
-        except ModuleNotFoundError as error:
-            need = f"a sweep needs {error.name}, which is not installed; run pip install 'susp_ss[distributed]'"
-            raise ModuleNotFoundError(need, name=error.name) from None
 
 
 def _along(vehicle: Vehicle, axes: Mapping[str, ArrayLike]) -> Vehicle:

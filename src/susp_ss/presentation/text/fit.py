@@ -123,7 +123,10 @@ def failures(found: OutputFit) -> list[str]:
         for name, model in found.models.items()
         if isinstance(model, ParameterBased) and model.at_bound_
     ]
-    return [*(f"Not fitted: {name} ({reason})." for name, reason in found.comparison.refused.items()), *bounds]
+    reasons: dict[str, list[str]] = {}
+    for name, reason in found.comparison.refused.items():
+        reasons.setdefault(reason, []).append(name)
+    return [*(f"Not fitted: {', '.join(names)} ({reason})." for reason, names in reasons.items()), *bounds]
 
 
 def worth(fit: Fit, found: OutputFit) -> str:

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 
-jit = numba.njit(error_model="numpy", nogil=True, cache=True, fastmath={"reassoc", "contract", "arcp"})
+from .compiler import compiled
+
+jit = compiled(error_model="numpy", fastmath={"reassoc", "contract", "arcp"})
 
 # As in `lyapunov`: Taylor steps of at most this reach, and terms enough for it.
 REACH, TERMS = 4.0, 32

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 from numba.extending import overload, register_jitable
 
 from . import polynomials
+from .compiler import compiled
 from .polynomials import Body, Cross, Delay, Even, Joint, Track, Wheel
 
 # Designs whose polynomials stay in the first caches.
@@ -240,7 +240,7 @@ for function in (
     register_jitable(**OPTIONS)(function)
 
 
-@numba.njit(nogil=True, cache=True, **OPTIONS)
+@compiled(**OPTIONS)
 def one_strut(strut, compliance, road):
     """`polynomials.one_strut`, some designs at a time."""
     designs = strut.shape[1]
@@ -252,7 +252,7 @@ def one_strut(strut, compliance, road):
     return out
 
 
-@numba.njit(nogil=True, cache=True, **OPTIONS)
+@compiled(**OPTIONS)
 def two_struts(struts, body, road, delay, damped):
     """`polynomials.two_struts`, some designs at a time."""
     designs = struts.shape[2]

@@ -4,7 +4,7 @@
   of them at a time: a microsecond or two each.
 - The rest, and those that would lose digits there, take the Lyapunov equation of their matrices: in batches
   (`matrices`), some hundred microseconds each, or once they are very many design by design in compiled code on every
-  processor (`matrices_numba`), some tens of microseconds.
+  processor (`matrices_numba`), some tens of microseconds; without a compiler in batches, too.
 
 What a way needs is stated by the vehicle (`Vehicle.halves`) or by its matrices; what lacks it takes the next. The
 choice shows in nothing but time. Against 80-bit arithmetic, over a thousand random full cars each on isotropic tracks,
@@ -29,6 +29,7 @@ from ...vehicles.parameters import DesignSpace
 from ...vehicles.vehicle import Vehicle
 from ..excitation import check_stationary, delay, infinite_outputs, processes
 from . import polynomials
+from .compiler import compiler_found
 from .matrices import BATCH, batches, lost_digits, moments
 from .symmetric import symmetric_variances
 
@@ -62,7 +63,7 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
         some, size = [half.select(block) for half in halves], block.stop - block.start
         variances[:, block], left[block] = symmetric_variances(some, flat.select(block), road, size, kernels)
 
-    if max(designs, space.size) < PLENTY or not halves:
+    if max(designs, space.size) < PLENTY or not halves or not compiler_found():
         for block in _blocks(space.size, BLOCK):
             solve(block)
     else:
@@ -71,7 +72,7 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             list(pool.map(lambda block: solve(block, polynomials_numba), _blocks(space.size, LONG_BLOCK)))
     by_matrices = np.flatnonzero(left)
-    if len(by_matrices) >= MANY:
+    if len(by_matrices) >= MANY and compiler_found():
         by_matrices = _compiled(flat, road, by_matrices, variances)
     for chosen in batches(by_matrices, BATCH):
         model, X, error, infinite = moments(flat, space, road, chosen, LOST)
