@@ -17,7 +17,7 @@ import os
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import CancelledError, ThreadPoolExecutor
+from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed, wait
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from os import PathLike
 from pathlib import Path
@@ -45,6 +45,9 @@ MOST_DESIGNS = {"covariance": 2**17, "spectral": 2**8}
 
 # Seconds that a scheduler has to answer, and to have a first worker.
 ANSWER, WORKER = 30.0, 30.0
+
+# Seconds that chunks under way have to be finished after an interrupt.
+PATIENCE = 1.0
 
 Index = tuple[int, ...]
 Task = tuple[Any, ...]
@@ -333,21 +336,31 @@ def _computing(scheduler: str | None) -> AbstractContextManager[Compute]:
 
 
 def _on_threads(tasks: Mapping[Index, Task], finish: Finish) -> None:
-    """Compute and finish chunks on Dask's threads; when one fails, those under way are finished first."""
-    import dask
-    from dask.system import CPU_COUNT
+    """Compute and finish chunks on threads; a failure waits for those under way, an interrupt not for long."""
 
     def run(index: Index) -> None:
         finish(index, block_metrics(*tasks[index]))
 
-    with ThreadPoolExecutor(CPU_COUNT) as pool:
-        dask.compute([dask.delayed(run, pure=False)(index) for index in tasks], scheduler="threads", pool=pool)
+    pool = ThreadPoolExecutor(os.cpu_count())
+    futures = [pool.submit(run, index) for index in tasks]
+    try:
+        for future in as_completed(futures):
+            future.result()
+    except KeyboardInterrupt:
+        pool.shutdown(wait=False, cancel_futures=True)
+        wait(futures, timeout=PATIENCE)
+        raise
+    except BaseException:
+        pool.shutdown(cancel_futures=True)
+        raise
+    pool.shutdown()
 
 
 @contextmanager
 def _on_cluster(scheduler: str) -> Iterator[Compute]:
     """Compute chunks on the workers of a cluster, and finish them here."""
-    from distributed import Client, KilledWorker, as_completed
+    from distributed import Client, KilledWorker
+    from distributed import as_completed as as_answered
 
     try:
         client = Client(scheduler, timeout=ANSWER)
@@ -359,7 +372,7 @@ def _on_cluster(scheduler: str) -> Iterator[Compute]:
     def compute(tasks: Mapping[Index, Task], finish: Finish) -> None:
         futures = {client.submit(block_metrics, *task, pure=False): index for index, task in tasks.items()}
         try:
-            for future in as_completed(futures):
+            for future in as_answered(futures):
                 finish(futures[future], future.result())
                 future.release()
         except CancelledError as error:

@@ -9,6 +9,7 @@ import functools
 import hashlib
 import importlib.util
 import os
+import sys
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
@@ -18,6 +19,8 @@ from typing import Any
 import platformdirs
 
 from ...extras import installation
+
+PACKAGE = __name__.partition(".")[0]
 
 
 def compiler_found() -> bool:
@@ -36,12 +39,33 @@ def compiler_found() -> bool:
     return found
 
 
+@functools.cache
+def _announce_compilations() -> None:
+    """Have the first compilation of a kernel of ours said on stderr: it takes as long as nothing else here."""
+    from numba.core import event
+
+    class Announcer(event.Listener):
+        said = False
+
+        def on_start(self, event: Any) -> None:
+            if not self.said and str(event.data["dispatcher"].py_func.__module__).startswith(f"{PACKAGE}."):
+                self.said = True
+                print(f"{PACKAGE}: compiling for this processor, once for all runs: 10 to 60 s", file=sys.stderr)
+
+        def on_end(self, event: Any) -> None:
+            """Nothing to say: what follows is quick."""
+
+    event.register("numba:compile", Announcer())
+
+
 def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """``numba.njit`` with its compiled code kept in `cache_folder`; where that cannot be written, nowhere.
 
     The setting of numba that says where is changed only while it is read: other packages' caches stay where they are.
     """
     import numba
+
+    _announce_compilations()
 
     def decorate(function: Callable[..., Any]) -> Any:
         dispatcher = numba.njit(nogil=True, **options)(function)

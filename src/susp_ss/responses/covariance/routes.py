@@ -69,8 +69,11 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
     else:
         from . import polynomials_numba
 
+        first, *others = _blocks(space.size, LONG_BLOCK)
+        # What has yet to be compiled is compiled here, where an interrupt reaches it.
+        solve(first, polynomials_numba)
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(lambda block: solve(block, polynomials_numba), _blocks(space.size, LONG_BLOCK)))
+            list(pool.map(lambda block: solve(block, polynomials_numba), others))
     by_matrices = np.flatnonzero(left)
     if len(by_matrices) >= MANY and compiler_found():
         by_matrices = _compiled(flat, road, by_matrices, variances)
