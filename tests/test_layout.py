@@ -14,6 +14,7 @@ ROOMS = (
     "extras",
     "quantities",
     "units",
+    "progress",
     "vehicles",
     "roads",
     "responses",

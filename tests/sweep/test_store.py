@@ -493,7 +493,7 @@ REFUSED = {
     "of another model": ("--model quarter --more mb=1:2:3", "QuarterCar has no parameter 'mb', available: ms, mu"),
     "no equals": ("--more mb", "--more must be PARAM=LO:HI:N", "'mb'"),
     "twice": ("--ks 1e4:2e4:3 --more ks=1e4:2e4:3", "--more ks: ks is given twice"),
-    "negative": ("--ks=-1e4:2e4:3", "ks=...) must be > 0 N/m, got -10000.0"),
+    "negative": ("--ks=-1e4:2e4:3", "--ks must be > 0 N/m, got -10000.0"),
     "a file": ("--ks 1e4:2e4:3 --store bad", "store bad exists and is not a store of a sweep"),
     "in a file": ("--ks 1e4:2e4:3 --store bad/out", "bad"),
     "unknown method": ("--ks 1e4:2e4:3 --method time", "covariance, spectral"),

@@ -120,7 +120,7 @@ def run(
             learning=learning_curve,
             trust_units=trust_units,
             random_state=seed,
-            progress=Console(stderr=True).is_terminal,
+            progress=True,
         )
     if out is not None:
         from ..presentation.save import save

@@ -91,6 +91,10 @@ def _document(vehicle: "Vehicle", road: "Road", method: str, result: "xr.Dataset
     }
 
 
+def _comment(data: "xr.DataArray") -> str:
+    return f"; {data.attrs['comment']}" if "comment" in data.attrs else ""
+
+
 def _by_place(data: "xr.DataArray") -> list[tuple[str, float]]:
     (dim,) = data.dims
     return list(zip(data[dim].values.tolist(), data.values.tolist(), strict=True))
@@ -111,4 +115,4 @@ def _print(vehicle: "Vehicle", road: "Road", result: "xr.Dataset") -> None:
     typer.echo(f"{type(vehicle).__name__}; {road.describe()}")
     print_table(table)
     for name, data in result.items():
-        typer.echo(f"{name}: {data.attrs['long_name']}")
+        typer.echo(f"{name}: {data.attrs['long_name']}{_comment(data)}")

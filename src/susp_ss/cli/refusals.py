@@ -1,5 +1,6 @@
 """What the package refuses, as the one line that the user sees."""
 
+import re
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -25,4 +26,17 @@ def refusals() -> Iterator[None]:
         *_, (frame, _) = traceback.walk_tb(error.__traceback__)
         if frame.f_globals.get("__name__", "").split(".")[0] != "susp_ss":
             raise
-        raise Refusal(str(error)) from error
+        raise Refusal(as_options(str(error))) from error
+
+
+def as_options(message: str) -> str:
+    """What the package says of its arguments, said of options.
+
+    Examples
+    --------
+    >>> from susp_ss.cli.refusals import as_options
+    >>> as_options('Road(speed=...) must be > 0 m/s; take ride_metrics(..., method="spectral")')
+    '--speed must be > 0 m/s; take --method spectral'
+    """
+    said = re.sub(r'\w+\([.]{3}, (\w+)="(\w+)"\)', r"--\1 \2", message)
+    return re.sub(r"\w+\((\w+)=[.]{3}\)", lambda found: f"--{found[1].replace('_', '-')}", said)

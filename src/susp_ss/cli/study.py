@@ -155,6 +155,6 @@ def _scan(nodes: int, out: Path | None, force: bool, figures: bool, as_json: boo
     if out is not None:
         check_result(out, Scan, force)
     with refusals():
-        scan = scan_scenarios((nodes, nodes), progress=Console(stderr=True).is_terminal)
+        scan = scan_scenarios((nodes, nodes), progress=True)
     text = scan.scenarios.to_json(orient="records", double_precision=15, indent=2) + "\n" if as_json else ""
     _finish(scan, out, force, figures, text)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 
 from .options import built_from, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
@@ -54,7 +53,7 @@ def run(
     with refusals():
         from ..sweep import sweep
 
-        how: Any = {"method": method, "scheduler": scheduler, "progress": Console(stderr=True).is_terminal}
+        how: Any = {"method": method, "scheduler": scheduler, "progress": True}
         try:
             done = sweep(vehicle, road, axes, store, **how)
         except KeyboardInterrupt as stopped:

@@ -21,6 +21,12 @@ METHODS = ("covariance", "spectral", "time")
 
 Array = NDArray[np.float64]
 
+INFINITE = (
+    "infinite where a damper passes the road's vertical velocity straight on (tyre damping, or a rigid tyre): up to "
+    "waviness 3 that velocity has no finite variance; set ct = 0, or take a road of a waviness above 3"
+)
+"""Why a metric may be infinite: the comment of its variable."""
+
 
 def metrics_in_memory(vehicle: Vehicle, road: Road, method: str, designs: int, **record: Any) -> xr.Dataset:
     """Metrics of a vehicle in memory, part of a sweep of so many designs; ``record`` is for time histories."""
@@ -49,6 +55,9 @@ def _labelled(layout: Layout, space: DesignSpace, damping: Array, variances: Arr
     power = damping * variances[:, rates]
     roots = np.sqrt(variances, out=variances)
     metrics = labelled_outputs(layout, roots, power, space, long_name="{statistic} {meaning}")
+    for data in metrics.values():
+        if data.size and data.values.max() == np.inf:
+            data.attrs["comment"] = INFINITE
     if errors is None:
         return metrics
     with np.errstate(divide="ignore", invalid="ignore"):

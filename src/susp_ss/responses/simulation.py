@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from rich.console import Console
-from rich.progress import track
 
+from ..progress import tracked
 from ..quantities import briefly, whole_number
 from ..roads.profiles import synthesise
 from ..roads.road import Road
@@ -109,7 +108,7 @@ def time_variances(
     if duration < 100 * step:
         raise ValueError(f"duration must be at least 100 steps of {step} s, got {duration} s")
     seed = whole_number("seed", seed, 0)
-    designs = track(range(space.size), "simulating", console=Console(stderr=True), disable=space.size == 1)
+    designs = tracked(range(space.size), "simulating", space.size > 1)
     pairs = [_mean_squares(flat.select(slice(i, i + 1)), road, duration, step, seed) for i in designs]
     squares, errors = zip(*pairs, strict=True)
     return np.stack(squares), np.stack(errors)

@@ -10,7 +10,7 @@ import dataclasses
 import functools
 import itertools
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ..metrics.ride import ride_metrics
+from ..progress import tracked
 from ..roads.road import CLASSES, TRACKS, Road
 from ..surrogates import accuracy
 from ..vehicles.full import FullCar
@@ -146,7 +147,7 @@ def scan_scenarios(nodes: tuple[int, int] = (10, 10), progress: bool = False) ->
     rows: list[dict[str, Any]] = []
     known = _published_entries()
     quarter_cars: dict[tuple[float, float, float], dict[str, Tabulated]] = {}
-    for labels, road in _shown(cases) if progress else cases:
+    for labels, road in tracked(cases, "scenarios", progress):
         spectral = road.waviness != 2.0
         ks, cs = grid(*(SPECTRAL_NODES if spectral else size))
         X = designs(ks, cs)
@@ -194,13 +195,6 @@ def _roads() -> Iterator[tuple[dict[str, Any], Road]]:
                     "B", speed=speed, waviness=waviness, cutoff=cutoff, tracks=track, delay=delay, wheels=wheels
                 )
                 yield labels | {"speed": speed, "waviness": waviness, "cutoff": cutoff}, road
-
-
-def _shown(cases: list[Any]) -> Iterable[Any]:
-    from rich.console import Console
-    from rich.progress import track
-
-    return track(cases, "scenarios", console=Console(stderr=True), transient=True)
 
 
 def _variants() -> Iterator[dict[str, Any]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from typing import Any
 
@@ -79,11 +79,3 @@ def check_mapping(surrogates: Any) -> None:
     """Say when surrogates have no names."""
     if not isinstance(surrogates, Mapping) or not surrogates:
         raise TypeError(f"surrogates must map names to regressors, got {briefly(surrogates)}")
-
-
-def shown(cases: Iterable[Any], what: str, progress: bool) -> Iterator[Any]:
-    """The cases, with a bar on stderr if asked for."""
-    from rich.console import Console
-    from rich.progress import track
-
-    return iter(track(list(cases), what, console=Console(stderr=True), transient=True, disable=not progress))

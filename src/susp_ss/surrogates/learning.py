@@ -12,9 +12,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from ..progress import tracked
 from ..quantities import whole_number
 from .accuracy import accuracy
-from .folds import check_mapping, checked_runs, one_blas_thread, rows, same_design, shown, unfitted
+from .folds import check_mapping, checked_runs, one_blas_thread, rows, same_design, unfitted
 from .kriging import CoKriging, Kriging
 from .low_fidelity import evaluated
 from .regressor import Array, ExtrapolationWarning
@@ -182,7 +183,7 @@ def _curve(
     counts = [whole_number("budgets", runs, 1) for runs in budgets]
     cases = itertools.product(counts, range(whole_number("repeats", repeats, 1)))
     table = []
-    for runs, repeat in shown(cases, "learning", progress):
+    for runs, repeat in tracked(cases, "learning", progress):
         fitted, test = draw(runs, repeat)
         with one_blas_thread():
             for name, surrogate in surrogates.items():

@@ -20,6 +20,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 
+from ..progress import tracked
 from ..quantities import briefly
 from . import bootstrap
 from .accuracy import Accuracy, accuracy
@@ -29,7 +30,6 @@ from .folds import (
     checked_runs,
     one_blas_thread,
     rows,
-    shown,
     split,
     unfitted,
     uses_low_fidelity,
@@ -340,7 +340,7 @@ def compare(
     if all(map(uses_low_fidelity, candidates.values())):
         candidates |= _baselines()
     validations, refused, seconds = dict[str, Validation](), dict[str, str](), dict[str, float]()
-    for name, surrogate in shown(candidates.items(), "comparing", progress):
+    for name, surrogate in tracked(candidates.items(), "comparing", progress):
         start = time.perf_counter()
         try:
             validations[name] = _cross_validated(surrogate, X, y, splits, confidence)

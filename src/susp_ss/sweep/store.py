@@ -26,12 +26,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
-from rich.console import Console
-from rich.progress import MofNCompleteColumn, Progress
 
 from .. import __version__
 from ..extras import needing
 from ..metrics.blocks import block_metrics, taken_apart
+from ..progress import progress as progress_of
 from ..quantities import briefly
 from ..responses.excitation import check_kinds
 from ..roads.road import Road
@@ -155,13 +154,13 @@ def sweep(
         done = _marks(path, asked)
         found = done[...]
         tasks = {index: task(region) for index, region in regions.items() if not found[index]}
-        with _saying_what_is_unfinished(path, done), _bar(progress) as bar:
-            shown = bar.add_task("sweeping", total=len(regions), completed=len(regions) - len(tasks))
+        shown = progress_of("sweeping", len(regions), len(regions) - len(tasks), progress)
+        with _saying_what_is_unfinished(path, done), shown as steps:
 
             def finish(index: Index, metrics: xr.Dataset) -> None:
                 _write(path, regions[index], metrics)
                 done[index] = True
-                bar.advance(shown)
+                steps.advance()
 
             compute(tasks, finish)
     computed = sum(math.prod(block.sizes.values()) for block, *_ in tasks.values())
@@ -324,11 +323,6 @@ def _saying_what_is_unfinished(path: Path, done: Any) -> Iterator[None]:
         raise OSError(f"store {path}: {error.strerror or error}; {unfinished()}") from error
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"store {path}: {unfinished()}") from None
-
-
-def _bar(progress: bool) -> Progress:
-    columns = (*Progress.get_default_columns(), MofNCompleteColumn())
-    return Progress(*columns, console=Console(stderr=True), disable=not progress)
 
 
 def _computing(scheduler: str | None) -> AbstractContextManager[Compute]:
