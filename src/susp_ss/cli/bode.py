@@ -9,7 +9,7 @@ from rich.table import Table
 
 from ..quantities import Quantity, signal
 from .folder import check_folder, write_together
-from .options import Force, Json, built_from, measured, names, print_table, vehicle_options
+from .options import Force, Json, built_from, counted, measured, names, print_table, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def run(
     ] = None,
     lowest: Annotated[str, typer.Option("--from", metavar="Hz", help="Lowest frequency.")] = "0.1",
     highest: Annotated[str, typer.Option("--to", metavar="Hz", help="Highest frequency.")] = "50",
-    points: Annotated[int, typer.Option(metavar="N", help="Frequencies, evenly on a log scale.")] = 500,
+    points: Annotated[int, counted("Frequencies, evenly on a log scale.")] = 500,
     out: Annotated[
         Path | None,
         typer.Option(

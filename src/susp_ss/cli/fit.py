@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from .folder import check_result
-from .options import Force, Json, TrustUnits, built_from, names, road_from_options, vehicle_options
+from .options import Force, Json, TrustUnits, built_from, counted, names, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -68,20 +68,17 @@ def run(
     ] = None,
     folds: Annotated[
         int | None,
-        typer.Option(
-            metavar="K",
-            help="Folds of the cross-validation.",
+        counted(
+            "Folds of the cross-validation.",
             show_default="leave-one-out up to 30 runs, 10 folds beyond",
         ),
     ] = None,
-    held_out: Annotated[
-        int, typer.Option(metavar="N", help="Runs that neither fits nor choice may see, for a last check.")
-    ] = 0,
+    held_out: Annotated[int, counted("Runs that neither fits nor choice may see, for a last check.")] = 0,
     learning_curve: Annotated[
         bool, typer.Option("--learning-curve", help="Also fit to fewer runs each, to see how many were needed.")
     ] = False,
     trust_units: TrustUnits = False,
-    seed: Annotated[int, typer.Option(metavar="N", help="Of folds, held-out runs and Kriging.")] = 0,
+    seed: Annotated[int, counted("Of folds, held-out runs and Kriging.")] = 0,
     out: Annotated[
         Path | None,
         typer.Option(

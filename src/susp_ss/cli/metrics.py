@@ -9,7 +9,7 @@ from rich.table import Table
 
 from ..quantities import Quantity
 from .documents import json_number, road_document
-from .options import Json, built_from, measured, print_table, road_from_options, vehicle_options
+from .options import Json, built_from, counted, measured, print_table, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -37,9 +37,7 @@ def run(
         str | None,
         typer.Option(metavar="s", help="Length of the record, with --method time.", show_default="600"),
     ] = None,
-    seed: Annotated[
-        int | None, typer.Option(metavar="N", help="Seed of the record, with --method time.", show_default="0")
-    ] = None,
+    seed: Annotated[int | None, counted("Seed of the record, with --method time.", show_default="0")] = None,
     template: Annotated[
         bool, typer.Option("--template", help="Print the vehicle as a file for --vehicle, and compute nothing.")
     ] = False,

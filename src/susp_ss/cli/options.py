@@ -231,6 +231,19 @@ def print_table(table: Table) -> None:
     Console(width=1000).print(table)
 
 
+def _integer(text: str) -> int:
+    """Parse a whole number for an option, with what was typed in the refusal."""
+    try:
+        return int(text)
+    except ValueError:
+        raise typer.BadParameter(f"needs a whole number, got {text!r}") from None
+
+
+def counted(help: str, **shown: Any) -> Any:
+    """An option whose value is a whole number."""
+    return typer.Option(metavar="N", parser=_integer, help=help, **shown)
+
+
 def flag(parameter: str) -> str:
     """Name of a parameter's option."""
     return f"--{parameter.replace('_', '-')}"

@@ -14,6 +14,7 @@ from .options import (
     Json,
     TrustUnits,
     built_from,
+    counted,
     flag,
     measured,
     range_parts,
@@ -56,7 +57,7 @@ def run(
     ] = None,
     nodes: Annotated[
         int | None,
-        typer.Option(metavar="N", help="Springs and dampers on the N x N grid.", show_default="20; 10 with --scan"),
+        counted("Springs and dampers on the N x N grid.", show_default="20; 10 with --scan"),
     ] = None,
     nonnegative: Annotated[
         bool, typer.Option("--nonnegative/--free", help="Whether coefficients are kept from being negative.")

@@ -274,9 +274,14 @@ def _tunable(low_fidelity: LowFidelity, cheap: LowFidelityResponse) -> bool:
 def _check_enough(runs: Runs, held_out_runs: int) -> None:
     n, k = len(runs.designs.drop_duplicates()), runs.designs.shape[1]
     whole_number("held_out_runs", held_out_runs, 0)
-    if n - held_out_runs < k + 2:
+    if held_out_runs > n - k - 2 >= 0:
         raise ValueError(
-            f"{runs.path}: {n - held_out_runs} different designs to fit are fewer than the {k + 2} that {k} input(s) "
+            f"{runs.path}: held_out_runs must leave {k + 2} different designs of {n} to fit, got {held_out_runs}; pass "
+            f"{n - k - 2} at most"
+        )
+    if n < k + 2:
+        raise ValueError(
+            f"{runs.path}: {n} different designs to fit are fewer than the {k + 2} that {k} input(s) "
             f"need: a plane has {k + 1} coefficients, and one run is left out at a time"
         )
 
