@@ -26,7 +26,7 @@ test-kernel: .venv/installed-test
 # The numerical tests with every direct dependency at the lower bound of pyproject.toml.
 test-lowest:
 	test -x .venv-lowest/bin/python || $(PYTHON) -m venv .venv-lowest
-	.venv-lowest/bin/python -m pip install --quiet uv
+	.venv-lowest/bin/python -m pip install --quiet --constraint constraints.txt uv
 	.venv-lowest/bin/uv pip install --quiet --python .venv-lowest/bin/python --resolution lowest-direct --editable '.[test]'
 	.venv-lowest/bin/pytest -m "not slow" $(NUMERICAL)
 
