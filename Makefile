@@ -5,7 +5,7 @@ BIN := .venv/bin
 # The linear algebra here is many small problems: one thread each beats many threads for one.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: study test test-kernel bench notebooks clean
+.PHONY: study test test-kernel docs bench notebooks clean
 
 study: .venv/installed
 	$(BIN)/susp-ss study --out results --force
@@ -21,6 +21,16 @@ KERNEL ?= PRESCOTT
 
 test-kernel: .venv/installed-test
 	OPENBLAS_CORETYPE=$(KERNEL) $(BIN)/pytest -m "not slow" tests/responses tests/metrics tests/surrogates tests/vehicles
+
+# The examples on the pages run as they are built; then the site is opened in a browser.
+docs: .venv/installed-docs
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet --jobs 2 -d docs/_build/doctrees docs docs/_build/html
+	$(BIN)/pytest -n 0 tests/test_docs.py
+	@echo open docs/_build/html/index.html
+
+.venv/installed-docs: .venv/installed-test
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[docs]'
+	touch $@
 
 bench: .venv/installed
 	$(BIN)/python benchmarks/ride_metrics.py
@@ -44,4 +54,4 @@ notebooks: .venv/installed-notebooks
 	touch $@
 
 clean:
-	rm -rf .venv results
+	rm -rf .venv results docs/_build docs/api/generated docs/lessons/*.ipynb
