@@ -1,6 +1,7 @@
 """Formulas as MathML, which browsers show by themselves: no script, no network, and they print."""
 
 import re
+from html import unescape
 from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -18,6 +19,10 @@ ElementTree.register_namespace("", SPACE)
 
 # What docutils does not read as TeX does: a delimiter of stated size on neither side, a fraction of two digits.
 READ = ((r"\\([bB]igg?)(?![A-Za-z])", r"\\\1l"), (r"\\frac(\d)(\d)", r"\\frac{\1}{\2}"))
+
+
+NAMED = r"&(?!amp;|lt;|gt;)\w+;"
+"""Characters by names of HTML's, which XML does not know."""
 
 
 def _tag(name: str) -> str:
@@ -44,7 +49,7 @@ def _mathml(node: nodes.Element, **how: Any) -> str:
     for pattern, known in READ:
         tex = re.sub(pattern, known, tex)
     try:
-        tree = ElementTree.fromstring(tex2mathml(tex, **how).replace("&nbsp;", "\xa0"))
+        tree = ElementTree.fromstring(re.sub(NAMED, lambda found: unescape(found[0]), tex2mathml(tex, **how)))
     except MathError as error:
         logger.warning("%s: %s", tex, error, location=node)
         return tex
