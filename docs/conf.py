@@ -31,6 +31,8 @@ templates_path = ["templates"]
 # Every name that a page or a docstring points to must exist.
 nitpicky = True
 default_role = "py:obj"
+# Two hyphens begin an option.
+smartquotes = False
 nitpick_ignore = [("py:obj", name) for name in ("inf", "FACTORS", "LowFidelityResponse", "UNITS")]
 
 autosummary_generate = True

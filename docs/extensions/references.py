@@ -11,6 +11,7 @@ from typing import Any
 from docutils import nodes
 from numpydoc.xref import DEFAULT_LINKS
 
+import susp_ss
 from susp_ss.surrogates.regressor import Surrogate
 from susp_ss.vehicles.vehicle import Vehicle
 
@@ -27,9 +28,11 @@ TYPES = {
     "DataArray": "xarray.DataArray",
     "DataFrame": "pandas.DataFrame",
     "Dataset": "xarray.Dataset",
+    "Vehicle": "susp_ss.vehicles.Vehicle",
     "ndarray": "numpy.ndarray",
+    **{name: f"susp_ss.{name}" for name in susp_ss.__all__ if isinstance(getattr(susp_ss, name), type)},
 }
-"""What docstrings call types of other libraries."""
+"""What docstrings call types, ours and others'."""
 
 
 @cache
@@ -69,7 +72,7 @@ def _resolve(app: Any, env: Any, node: Any, content: nodes.Element) -> nodes.Ele
 def _types(app: Any, config: Any) -> None:
     # Nobody needs a link to `float`.
     DEFAULT_LINKS.clear()
-    config.numpydoc_xref_aliases = dict(TYPES)
+    config.numpydoc_xref_aliases = TYPES | {name: name for name in ("control.StateSpace", *TYPES.values())}
 
 
 def _kind(app: Any, name: str, which: type, options: Any, bases: list[type]) -> None:
