@@ -5,7 +5,7 @@ BIN := .venv/bin
 # The linear algebra here is many small problems: one thread each beats many threads for one.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: study test test-kernel test-lowest wheel test-wheel bench notebooks clean
+.PHONY: study test test-kernel test-lowest wheel test-wheel docs bench notebooks clean
 
 study: .venv/installed
 	$(BIN)/susp-ss study --out results --force
@@ -37,6 +37,16 @@ wheel: .venv/installed-test
 test-wheel: wheel
 	PIP_CONSTRAINT=$(CURDIR)/constraints.txt $(BIN)/python .ci/try_wheel.py dist/*.whl
 
+# The examples on the pages run as they are built; then the site is opened in a browser.
+docs: .venv/installed-docs
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet --jobs 2 -d docs/_build/doctrees docs docs/_build/html
+	$(BIN)/pytest -n 0 tests/test_docs.py
+	@echo open docs/_build/html/index.html
+
+.venv/installed-docs: .venv/installed-test
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
 bench: .venv/installed-test
 	$(BIN)/python benchmarks/ride_metrics.py
 	$(BIN)/python benchmarks/surrogates.py
@@ -59,4 +69,4 @@ notebooks: .venv/installed-notebooks
 	touch $@
 
 clean:
-	rm -rf .venv .venv-lowest dist results
+	rm -rf .venv .venv-lowest dist results docs/_build docs/api/generated docs/lessons/*.ipynb

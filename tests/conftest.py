@@ -1,5 +1,6 @@
 """What several tests use."""
 
+import shutil
 import sys
 from typing import NamedTuple
 
@@ -14,6 +15,21 @@ hypothesis.settings.register_profile(
     "any machine", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
 )
 hypothesis.settings.load_profile("any machine")
+
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+# WebGL without a graphics card, and no traffic of the browser's own.
+SWITCHES = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-quic",
+    "--no-first-run",
+]
 
 
 class Ran(NamedTuple):
@@ -56,3 +72,40 @@ def few_starts():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(kriging, "STARTS", 2)
         yield
+
+
+@pytest.fixture(scope="session")
+def browser():
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if found is None:
+        pytest.skip(f"no browser to open the page in: none of {', '.join(BROWSERS)} is installed")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        running = driver.chromium.launch(executable_path=found, args=SWITCHES)
+        yield running
+        running.close()
+
+
+@pytest.fixture
+def opened(browser):
+    """Open a page; at the end, nothing must have gone wrong or been asked of the network."""
+    wrong, contexts = [], []
+
+    def open_page(path, width=1000, **context):
+        contexts.append(browser.new_context(viewport={"width": width, "height": 900}, **context))
+        contexts[-1].set_default_timeout(0)
+        tab = contexts[-1].new_page()
+        tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
+        tab.on("pageerror", lambda error: wrong.append(str(error)))
+        tab.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
+        tab.on("request", lambda request: open_page.asked.append(request.url))
+        tab.goto(path.as_uri())
+        return tab
+
+    open_page.asked = []
+    yield open_page
+    assert wrong == []
+    assert all(url.startswith(("file:", "data:", "blob:")) for url in open_page.asked), open_page.asked
+    for context in contexts:
+        context.close()

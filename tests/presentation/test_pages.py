@@ -5,7 +5,6 @@ import io
 import json
 import re
 import shlex
-import shutil
 
 import matplotlib.image
 import numpy as np
@@ -19,20 +18,6 @@ from susp_ss.fit import fitting
 from susp_ss.presentation.pages.figures import plain
 from susp_ss.presentation.pages.page import number
 from susp_ss.presentation.save import STILLS
-
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-# WebGL without a graphics card, and no traffic of the browser's own.
-SWITCHES = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-quic",
-    "--no-first-run",
-]
 
 # What a column may be called, and what it must not do.
 HOSTILE_INPUT, HOSTILE_OUTPUT = 'gap <b onclick="x">', '<script>alert("%{x}")</script>/&amp;'
@@ -206,41 +191,12 @@ def test_numbers(value, shown):
 # In a browser
 
 
-@pytest.fixture(scope="module")
-def browser():
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if found is None:
-        pytest.skip(f"no browser to open the page in: none of {', '.join(BROWSERS)} is installed")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=found, args=SWITCHES)
-        yield running
-        running.close()
-
-
 @pytest.fixture
-def opened(browser):
-    """Open a page; at the end, nothing must have gone wrong or been asked of the network."""
-    wrong, asked, contexts = [], [], []
-
-    def open_page(path, width=1000, **context):
-        contexts.append(browser.new_context(viewport={"width": width, "height": 900}, **context))
-        contexts[-1].set_default_timeout(0)
-        tab = contexts[-1].new_page()
-        tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
-        tab.on("pageerror", lambda error: wrong.append(str(error)))
-        tab.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
-        tab.on("request", lambda request: asked.append(request.url))
-        tab.goto(path.as_uri())
-        return tab
-
-    yield open_page
-    assert wrong == []
+def opened(opened):
+    """Open a page, which must be one file."""
+    yield opened
     # Chromium reports the pictures that a page carries as requests, too.
-    assert all(re.match(r"file:///.*/report\.html$|data:|blob:", url) for url in asked), asked
-    for context in contexts:
-        context.close()
+    assert all(re.match(r"file:///.*/report\.html$|data:|blob:", url) for url in opened.asked), opened.asked
 
 
 def pixels(tab, selector):

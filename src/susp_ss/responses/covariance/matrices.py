@@ -59,8 +59,9 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     Returns
     -------
     xarray.DataArray
-        On (sweep..., state, state_), in the units of the states of ``vehicle.state_space(input="velocity")``: positions
-        relative to the road ``p_...`` (m, rad), velocities ``d...`` (m/s, rad/s) and, for the full car, ``warp`` (m).
+        On ``(sweep..., state, state_)``, in the units of the states of ``vehicle.state_space(input="velocity")``:
+        positions relative to the road ``p_...`` (m, rad), velocities ``d...`` (m/s, rad/s) and, for the full car,
+        ``warp`` (m).
 
     Raises
     ------
