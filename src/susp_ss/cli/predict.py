@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
+from ..quantities import titled
 from .folder import write_together
 from .options import Json, names, nodes, number, print_table
 from .refusals import Refusal, refusals
@@ -130,7 +131,7 @@ def _print(fitted: "SuspensionSurrogate", table: "pd.DataFrame") -> None:
     shown = Table()
     for name in table.drop(columns="outside"):
         unit = units.get(str(name), units.get(str(name).removesuffix("_std"), ""))
-        shown.add_column(f"{name} ({unit})" if unit else str(name), justify="right")
+        shown.add_column(titled(str(name), unit), justify="right")
     if table.outside.any():
         shown.add_column("")
     for row in table.head(PRINTED).itertuples(index=False):
