@@ -193,16 +193,28 @@ def units_of(unit: str) -> dict[str, float]:
     return UNITS.get(unit, {unit: 1.0})
 
 
+def typeset(text: str) -> str:
+    """Units as people read them, in reports, tables and pictures; what programs read keeps ``m/s^2``.
+
+    Examples
+    --------
+    >>> from susp_ss.quantities import typeset
+    >>> typeset("m/s^2"), typeset("6.4e-05 m^3"), typeset("N s/m")
+    ('m/s²', '6.4e-05 m³', 'N s/m')
+    """
+    return text.replace("^2", "²").replace("^3", "³")
+
+
 def titled(name: str, unit: str) -> str:
-    """A name with its unit, as an axis or a column has it.
+    """A name with its unit, as an axis or a column of a table has it.
 
     Examples
     --------
     >>> from susp_ss.quantities import titled
     >>> titled("bacc", "m/s^2"), titled("R2", "")
-    ('bacc (m/s^2)', 'R2')
+    ('bacc (m/s²)', 'R2')
     """
-    return f"{name} ({unit})" if unit else name
+    return f"{name} ({typeset(unit)})" if unit else name
 
 
 def briefly(value: Any) -> str:

@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import inspect
+import io
 import json
 import os
 import subprocess
@@ -15,6 +16,7 @@ import pytest
 import susp_ss as ss
 from susp_ss.cli import main
 from susp_ss.cli.options import vehicle_options
+from susp_ss.quantities import typeset
 from susp_ss.study.scan import scan_scenarios
 from susp_ss.vehicles.files import models
 
@@ -48,6 +50,17 @@ def as_json(dataset):
         numbers = [x if np.isfinite(x) else str(x) for x in np.atleast_1d(data.values).tolist()]
         layout[name] = dict(zip(data[data.dims[0]].values.tolist(), numbers, strict=True)) if data.dims else numbers[0]
     return layout
+
+
+@pytest.mark.parametrize(("encoding", "unit"), [("utf-8", "m/s²"), ("cp1250", "m/s^2")])
+def test_units_are_spelt_out_where_the_terminal_has_no_superscripts(encoding, unit, monkeypatch):
+    written = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(written, encoding))
+    with pytest.raises(SystemExit) as end:
+        main(["metrics", "--model", "quarter"])
+    sys.stdout.flush()
+    assert end.value.code == 0
+    assert f" {unit} " in written.getvalue().decode(encoding)
 
 
 METRICS = {
@@ -97,9 +110,9 @@ def test_metrics_table(model, answer):
     for name, data in ss.ride_metrics(models()[model](), ROAD).items():
         (row,) = (line for line in table.splitlines() if line.startswith(f"│ {name} "))
         cells = [cell.strip() for cell in row.strip("│").split("│")]
-        assert cells[1] == data.attrs["units"]
+        assert cells[1] == typeset(data.attrs["units"])
         assert [cell for cell in cells[2:] if cell] == [f"{value:.4g}" for value in np.atleast_1d(data.values)]
-    assert ROAD.describe() in table
+    assert typeset(ROAD.describe()) in table
 
 
 def test_every_parameter_has_an_option():
@@ -154,7 +167,7 @@ def test_bode_peaks(answer):
     hop = [float(row[3]) for row in rows if row[0] == "bacc"]
     H = ss.frequency_response(ss.QuarterCar(), np.geomspace(5.0, 20.0, 20000)).sel(output="bacc", input="z_r")
     assert hop[-1] == pytest.approx(float(H.frequency[int(np.abs(H.values).argmax())]), rel=5e-3)
-    assert {row[0]: row[2] for row in rows} == {"bacc": "m/s^2/m", "sws": "m/m", "dtl": "N/m"}
+    assert {row[0]: row[2] for row in rows} == {"bacc": "m/s²/m", "sws": "m/m", "dtl": "N/m"}
 
 
 def test_bode_keeps_results_unless_forced(run, answer, here):
@@ -206,7 +219,7 @@ def test_study_prints_ours_beside_published(answer, small):
 def test_study_default_road(answer):
     """The study's own scenario, not the default road of the other commands."""
     report = answer("study", "--nodes", "3")
-    assert ss.feasibility_study(nodes=(3, 3)).describe() in report
+    assert typeset(ss.feasibility_study(nodes=(3, 3)).describe()) in report
 
 
 def test_study_keeps_results_unless_forced(run, answer, here):

@@ -1,5 +1,6 @@
 """From a table of runs to a surrogate that can be believed, and to its predictions."""
 
+import dataclasses
 import json
 import re
 
@@ -10,6 +11,8 @@ import scipy.stats
 
 import susp_ss as ss
 from susp_ss.fit import LowFidelity, fitting
+from susp_ss.presentation.documents import fit_document
+from susp_ss.presentation.text import fit as text_of_fits
 from susp_ss.surrogates.folds import split
 
 ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
@@ -103,10 +106,34 @@ def test_the_report_says_what_was_found(fitted):
     gain = bacc.comparison.gain()
     assert f"runs give {gain.baseline}, with {gain.ratio:.2g} times the RMSE of {gain.tuned}" in " ".join(text.split())
     assert re.search(r"^cheap, untuned +yes", text, re.MULTILINE)
-    assert "RMSE (m/s^2) after fewer runs" in text
-    assert max(map(len, (line for line in text.splitlines() if not line.startswith("To type")))) <= 120
-    name, formula = bacc.formula
-    assert f"To type ({name}, SI units): bacc = {formula}" in text
+    assert "RMSE (m/s²) after fewer runs" in text
+    formulas = [f"{name} = {found.formula[1]}" for name, found in fitted.outputs.items()]
+    assert max(len(line) for line in text.splitlines() if line not in formulas) <= 120
+    assert set(formulas) <= set(text.splitlines())
+    # Units as people read them; in a formula and to programs as programs do.
+    assert "^" not in "".join(line for line in text.splitlines() if line not in formulas)
+    assert fit_document(fitted)["outputs"]["bacc"]["unit"] == "m/s^2"
+
+
+@pytest.mark.parametrize("output", ["bacc", "dtl"])
+def test_a_formula_stands_beside_its_error_and_that_of_the_surrogate_taken(fitted, output):
+    found, unit = fitted.outputs[output], {"bacc": "m/s^2", "dtl": "N"}[output]
+    typed = found.formula[0]
+    taken = next(name for name in found.models if name != typed)
+    rmse = {name: found.comparison.validations[name].accuracy.RMSE for name in (typed, taken)}
+
+    (said,) = text_of_fits.typed(dataclasses.replace(found, chosen=taken), unit)
+    shown = unit.replace("^2", "²")
+    assert f"{typed}, not the surrogate taken; at runs left out its RMSE is {rmse[typed]:.4g} {shown}" in said
+    assert f"by the same folds that of {taken} is {rmse[taken]:.4g}." in said
+
+    (said,) = text_of_fits.typed(dataclasses.replace(found, chosen=typed), unit)
+    assert said.endswith(f"{typed}, the surrogate taken; at runs left out its RMSE is {rmse[typed]:.4g} {shown}.")
+    (said,) = text_of_fits.typed(dataclasses.replace(found, formula=None), unit)
+    assert said == "None of these has a formula to type into a spreadsheet."
+
+    (said,) = text_of_fits.typed(found, unit)
+    assert said in " ".join(ss.report(fitted).split())
 
 
 def test_the_report_says_how_far_a_stated_interval_held(fitted):

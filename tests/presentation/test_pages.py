@@ -18,6 +18,7 @@ from susp_ss.fit import fitting
 from susp_ss.presentation.pages.figures import plain
 from susp_ss.presentation.pages.page import number
 from susp_ss.presentation.save import STILLS
+from susp_ss.presentation.text.fit import typed
 
 # What a column may be called, and what it must not do.
 HOSTILE_INPUT, HOSTILE_OUTPUT = 'gap <b onclick="x">', '<script>alert("%{x}")</script>/&amp;'
@@ -281,6 +282,115 @@ def test_small_screens_do_not_scroll_sideways(opened, page):
     assert tab.evaluate("document.documentElement.scrollWidth") == 360
 
 
+def test_wide_tables_show_that_they_scroll(opened, fit_folder):
+    tab = opened(fit_folder / "report.html", width=360)
+    table = tab.locator(".scroll").first
+    hidden = table.evaluate("box => box.scrollWidth - box.clientWidth")
+    assert hidden > 20
+
+    def shadows():
+        """How much darker the outer pixels are than the page, left and right."""
+        image = matplotlib.image.imread(io.BytesIO(table.screenshot()))[..., :3]
+        return [1.0 - np.median(image[:, column]) for column in (1, -2)]
+
+    assert [dark > 0.1 for dark in shadows()] == [False, True]
+    table.evaluate("box => box.scrollLeft = 1e4")
+    assert [dark > 0.1 for dark in shadows()] == [True, False]
+    tab.set_viewport_size({"width": 1000, "height": 900})
+    assert [dark > 0.1 for dark in shadows()] == [False, False]
+
+
+def test_the_toolbar_stands_over_nothing(opened, studied):
+    touched = opened(studied / "report.html", width=390, has_touch=True, is_mobile=True)
+    touched.wait_for_selector("#errors-PB .contourlayer path")
+    touched.locator("#errors-RB").tap()
+    assert touched.locator(".modebar-btn:visible").count() == 0
+
+    tab = opened(studied / "report.html")
+    tab.wait_for_selector("#errors-PB .contourlayer path")
+    tab.locator("#errors-RB").hover()
+    tools, title = (tab.locator(f"#errors-RB {part}") for part in (".modebar", ".gtitle"))
+    tab.wait_for_function("getComputedStyle(document.querySelector('#errors-RB .modebar')).opacity > 0.5")
+    boxes = [part.bounding_box() for part in (title, tools)]
+    assert boxes[0]["x"] + boxes[0]["width"] < boxes[1]["x"]
+    tab.emulate_media(media="print")
+    assert tab.locator(".modebar-btn:visible").count() == 0
+
+
+LIVE = {"studied": ("chosen above", "Turn with the mouse"), "fit_folder": ("Point at a run",)}
+
+
+@pytest.mark.parametrize("folder", LIVE)
+def test_paper_has_its_own_words(opened, request, folder):
+    tab = opened(request.getfixturevalue(folder) / "report.html")
+    tab.wait_for_selector(".plot canvas")
+    assert all(words in tab.locator("main").inner_text() for words in LIVE[folder])
+    still = opened(request.getfixturevalue(folder) / "report.html", java_script_enabled=False)
+    tab.emulate_media(media="print")
+    for page in (tab, still):
+        text = page.locator("main").inner_text()
+        assert not any(words in text for words in LIVE[folder])
+        assert {"studied": "white surrogate", "fit_folder": "predictions.csv"}[folder] in text
+
+
+def test_paper_says_which_colour_is_which(opened, fit, fit_folder):
+    tab = opened(fit_folder / "report.html")
+    tab.wait_for_selector("#learning-0 .point")
+    tab.emulate_media(media="print")
+    for kind, more in (("parity", []), ("learning", ["the others"])):
+        key = tab.locator(f"figure:has(#{kind}-0) label:visible").all_inner_texts()
+        assert sorted(key) == sorted([*fit.outputs["bacc"].foremost, *more])
+
+
+def test_learning_curves_of_the_foremost_are_coloured(opened, fit, fit_folder):
+    tab = opened(fit_folder / "report.html")
+    tab.wait_for_selector("#learning-0 .point")
+    traces = tab.evaluate("document.getElementById('learning-0').data")
+    found = fit.outputs["bacc"]
+    assert {trace["name"] for trace in traces} == {*found.foremost, "the others"}
+    grey = [trace for trace in traces if trace["name"] == "the others"]
+    assert len(grey) == len(found.comparison.table) - len(found.foremost)
+    assert {trace["line"]["color"] for trace in grey} == {"#a6a6a6"}
+    hidden = [name for name in found.comparison.table.index if name not in found.foremost]
+    assert [trace["hovertemplate"].split(",")[0] for trace in grey] == hidden
+    assert traces[: len(grey)] == grey
+    tab.locator("figure:has(#learning-0)").get_by_label("the others").uncheck()
+    visible = tab.evaluate("document.getElementById('learning-0').data.map(t => [t.name, t.visible])")
+    assert all(shown == (name != "the others") for name, shown in visible)
+
+
+def test_the_page_tells_the_error_of_its_formula(fit, fit_folder, opened):
+    text = " ".join(opened(fit_folder / "report.html").locator("main").inner_text().split())
+    for output, found in fit.outputs.items():
+        (said,) = typed(found, fit.runs.units[output])
+        assert said in text
+    assert fit.outputs["bacc"].formula[0] != fit.outputs["bacc"].chosen
+
+
+def test_units_are_those_that_people_read(opened, page):
+    tab = opened(page)
+    tab.locator("pre").evaluate_all("all => all.forEach(one => one.remove())")  # Code keeps what programs read.
+    text = tab.locator("body").inner_text()
+    assert "m/s²" in text
+    assert not re.search(r"m/s\^2|m\^3", text)
+
+
+@pytest.mark.parametrize("folder", ["studied", "fit_folder"])
+def test_surfaces_of_all_responses_are_seen_from_one_side(request, folder):
+    blocks = Parts((request.getfixturevalue(folder) / "report.html").read_text(encoding="utf-8")).blocks
+    plots = json.loads(blocks["figures"])
+    views = [view for name, plot in plots.items() if name.startswith("surface") for view in plot.values()]
+    assert len(views) == {"studied": 3, "fit_folder": 2}[folder]
+    eyes = [view["layout"]["scene"]["camera"]["eye"] for view in views]
+    assert all(eye == eyes[0] for eye in eyes)
+    # Where a surface falls towards the eye, it shows its upper side.
+    for view, eye in zip(views, eyes, strict=True):
+        surface = np.array(view["data"][0]["z"])
+        over_x, over_y = (np.diff(surface.mean(axis=axis)[[0, -1]]).item() for axis in (0, 1))
+        rise = (over_x * eye["x"] + over_y * eye["y"]) / np.hypot(eye["x"], eye["y"])
+        assert rise < 0.5 * np.ptp(surface)
+
+
 def test_print(opened, page):
     tab = opened(page)
     tab.wait_for_selector(".plot canvas")
@@ -356,11 +466,12 @@ def test_switches_have_the_colours_of_what_they_switch(opened, request, folder, 
     assert len({plot for plot, *_ in swatches}) == plots
     for plot, name, checked, swatch in swatches:
         traces = tab.evaluate("plot => document.getElementById(plot).data", plot)
-        (trace,) = (trace for trace in traces if trace["name"] == name)
-        colour = (
-            trace["colorscale"][0][1] if trace["type"] == "surface" else trace.get("marker", trace.get("line"))["color"]
-        )
-        assert (trace["visible"], f"color: {colour}") == (checked, swatch)
+        switched = [trace for trace in traces if trace["name"] == name]
+        assert len(switched) == 1 or name == "the others"
+        for trace in switched:
+            surface = trace["type"] == "surface"
+            colour = trace["colorscale"][0][1] if surface else trace.get("marker", trace.get("line"))["color"]
+            assert (trace["visible"], f"color: {colour}") == (checked, swatch)
 
 
 def test_plain_text():

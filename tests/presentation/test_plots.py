@@ -56,6 +56,22 @@ def test_response_surfaces(study, surrogate):
         np.testing.assert_allclose(axes.get_zlim(), [heights.min() / unit, heights.max() / unit], rtol=1e-6)
 
 
+def extent(text):
+    return text.get_window_extent().padded(-0.5)
+
+
+@pytest.mark.parametrize("criteria", [["bacc", "dtl", "sws"], ["dtl"]])
+def test_surfaces_are_seen_from_one_side_and_labels_keep_apart(criteria):
+    figure = plots.response_surfaces(ss.feasibility_study(nodes=(4, 4)), "RB", criteria)
+    figure.draw_without_rendering()
+    assert len({(axes.elev, axes.azim) for axes in figure.axes}) == 1
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+            ticks = [extent(tick.label1) for tick in axis._update_ticks() if tick.label1.get_text()]
+            assert ticks
+            assert extent(axis.label).count_overlaps(ticks) == 0, (axes.get_title(), axis.axis_name)
+
+
 def test_surfaces_have_the_colours_of_the_study(study):
     image = pixels(plots.response_surfaces(study, "RB", ["bacc"]))
     assert share_of(image, (0.949, 0.827, 0.043)) > 0.01
@@ -87,9 +103,14 @@ def test_error_map(study, surrogate):
         f"{surrogate} error of SWS (mm)",
     ]
     assert panels[0].get_ylabel() == "$C_s$ (kN s/m)"
-    for bar, criterion, unit in zip(bars, ["bacc", "dtl", "sws"], [1.0, 1.0, 1e-3], strict=True):
+    for axes, bar, criterion, unit in zip(panels, bars, ["bacc", "dtl", "sws"], [1.0, 1.0, 1e-3], strict=True):
         limit = study.accuracy.loc[(surrogate, criterion), "MAE"] / unit
         np.testing.assert_allclose(bar.get_xlim(), [-limit, limit], rtol=1e-9)
+        # A cross where the error is that large.
+        (cross,) = (line for line in axes.lines if line.get_marker() == "x")
+        (ks,), (cs,) = cross.get_data()
+        at = study.responses.sel(criterion=criterion).sel(ks=1e3 * ks, cs=1e3 * cs, method="nearest")
+        assert abs(at[surrogate] - at.hf).item() / unit == pytest.approx(limit)
 
 
 def test_error_map_is_blue_where_the_surrogate_is_low(study):
@@ -267,6 +288,24 @@ def test_carpet():
     assert {"12", "15.2", "25", "0.8", "2.2"} <= set(labels)
     # The springs part where damping is low.
     np.testing.assert_allclose(labels["25"], drawn[4][0])
+
+
+def test_labels_of_a_folded_carpet_keep_clear_of_its_dots_and_of_each_other():
+    ks, cs = (
+        xr.DataArray(v, {n: v}, n) for n, v in (("ks", np.linspace(5e3, 4e4, 21)), ("cs", np.geomspace(4e2, 4e3, 21)))
+    )
+    figure = plots.carpet(ss.ride_metrics(ss.QuarterCar(ks=ks, cs=cs), ROAD))
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    (dots,) = axes.collections
+    assert len(axes.texts) == 12
+    middles = axes.transData.transform(dots.get_offsets())
+    for i, text in enumerate(axes.texts):
+        box = extent(text)
+        assert not any(box.contains(*middle) for middle in middles), text
+        assert box.count_overlaps([extent(other) for other in axes.texts[:i]]) == 0, text
+        # Beside its end still.
+        assert np.hypot(*text.xyann) < 30.0
 
 
 def test_carpet_of_a_car_needs_one_place():

@@ -53,7 +53,7 @@ def series(axes):
     for points, _, bars in (container.lines for container in axes.containers):
         ends = [np.array([segment[:, 1] for segment in bar.get_segments() if len(segment)]) for bar in bars]
         found[len(found)] = np.column_stack(points.get_data(orig=False)), ends
-    return dict(zip(axes.get_legend_handles_labels()[1], found.values(), strict=True))
+    return dict(zip((container.get_label() for container in axes.containers), found.values(), strict=True))
 
 
 def test_parity(validations):
@@ -108,6 +108,24 @@ def test_learning_curves(table):
     np.testing.assert_allclose(points[:, 1], 4.0 / runs, rtol=1e-12)
     np.testing.assert_allclose(whiskers, np.outer(2.0 / runs, [1.0, 5.0]), rtol=1e-12)
     assert np.isnan(drawn["surrogate 3"][0][0, 1])
+
+
+def test_the_foremost_curves_stand_out_from_the_others(table):
+    figure = plots.learning_curves(table, "m/s^2", foremost=("surrogate 4", "surrogate 1"))
+    assert_whole(figure)
+    (axes,) = figure.axes
+    assert axes.get_ylabel() == "RMSE (m/s²)"
+    assert set(series(axes)) == {"surrogate 4", "surrogate 1"}
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["the others", "surrogate 4", "surrogate 1"]
+    others = [line for line in axes.lines if line.get_marker() == "None"]
+    assert len(others) == 7
+    assert {line.get_color() for line in others} == {"#a6a6a6"}
+    assert max(line.get_zorder() for line in others) < min(
+        line.get_zorder() for line in axes.lines if line not in others
+    )
+    np.testing.assert_allclose(others[0].get_xydata(), [[5, 0.4], [10, 0.2], [100, 0.02]])
+    with pytest.raises(ValueError, match="no surrogate named 'RB' in the table, available: surrogate 0, surrogate 1"):
+        plots.learning_curves(table, foremost=("RB",))
 
 
 def test_nine_curves_can_be_told_apart_without_colour(table):

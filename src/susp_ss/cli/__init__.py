@@ -4,6 +4,8 @@ Bad input ends with exit code 2 and one line on stderr; whatever else goes wrong
 Numerical libraries are imported inside the commands, so that ``--help`` answers at once.
 """
 
+import codecs
+import io
 import sys
 import warnings
 from collections.abc import Sequence
@@ -58,6 +60,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     SystemExit: 0
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
+    codecs.register_error("spelt out", _spelt_out)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="spelt out")
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _Warner()
@@ -67,6 +72,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except Refusal as error:
         _refuse(str(error))
     sys.exit(status or 0)
+
+
+def _spelt_out(error: UnicodeError) -> tuple[str, int]:
+    """Units where the terminal's encoding has no superscripts: ``m/s^2``, and a question mark for anything else."""
+    assert isinstance(error, UnicodeEncodeError)
+    missing = error.object[error.start : error.end]
+    return "".join({"²": "^2", "³": "^3"}.get(letter, "?") for letter in missing), error.end
 
 
 class _Warner:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from ..quantities import Quantity, signal
+from ..quantities import Quantity, signal, typeset
 from .folder import check_folder, write_together
 from .options import Force, Json, built_from, counted, measured, names, print_table, vehicle_options
 from .refusals import Refusal, refusals
@@ -150,9 +150,9 @@ def _print(vehicle: "Vehicle", response: "xr.DataArray") -> None:
     for output, input, unit, magnitude, _ in _curves(response):
         peaks = find_peaks(magnitude)[0]
         for peak in peaks:
-            table.add_row(output, input, unit, f"{frequency[peak]:.3g}", f"{magnitude[peak]:.4g}")
+            table.add_row(output, input, typeset(unit), f"{frequency[peak]:.3g}", f"{magnitude[peak]:.4g}")
         if not len(peaks):
-            table.add_row(output, input, unit, "none", "")
+            table.add_row(output, input, typeset(unit), "none", "")
     typer.echo(f"{type(vehicle).__name__}: peaks of the response to road height, {span}")
     print_table(table)
 

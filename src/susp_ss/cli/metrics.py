@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from ..quantities import Quantity
+from ..quantities import Quantity, typeset
 from .documents import json_number, road_document
 from .options import Json, built_from, counted, measured, print_table, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
@@ -109,8 +109,8 @@ def _print(vehicle: "Vehicle", road: "Road", result: "xr.Dataset") -> None:
             cells = [f"{at[place]:.4g}" if place in at else "" for place in places]
         else:
             cells = [f"{data.item():.4g}"]
-        table.add_row(str(name), data.attrs["units"], *cells)
-    typer.echo(f"{type(vehicle).__name__}; {road.describe()}")
+        table.add_row(str(name), typeset(data.attrs["units"]), *cells)
+    typer.echo(f"{type(vehicle).__name__}; {typeset(road.describe())}")
     print_table(table)
     for name, data in result.items():
         typer.echo(f"{name}: {data.attrs['long_name']}{_comment(data)}")

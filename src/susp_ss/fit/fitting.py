@@ -81,6 +81,13 @@ class OutputFit:
         """The surrogate taken, fitted."""
         return self.models[self.chosen]
 
+    @property
+    def foremost(self) -> tuple[str, ...]:
+        """What to look at first: the surrogate taken, the best that tunes the cheap model, and the best without it."""
+        tuned = None if self.untuned is None else self.comparison.gain().tuned
+        names = (self.chosen, tuned, self.comparison.baseline)
+        return tuple(dict.fromkeys(name for name in names if name is not None))
+
 
 @dataclass(frozen=True, eq=False)
 class Fit:

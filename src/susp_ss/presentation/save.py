@@ -211,18 +211,17 @@ def predictions(fit: Fit) -> pd.DataFrame:
 
 
 def _fit_figures(fit: Fit) -> Iterator[tuple[str, str, Figure]]:
-    """Kind, output and figure: the surrogate taken, beside the best with and the best without a cheap model."""
+    """Kind, output and figure; of the surrogates those that are foremost."""
     surrogate = fit.surrogate
     for output, found in fit.outputs.items():
-        comparison, unit = found.comparison, fit.runs.units[output]
-        wanted = (found.chosen, None if found.untuned is None else comparison.gain().tuned, comparison.baseline)
-        shown = {name: comparison.validations[name] for name in wanted if name is not None}
+        unit = fit.runs.units[output]
+        shown = {name: found.comparison.validations[name] for name in found.foremost}
         yield "parity", output, plots.parity(shown, unit)
         yield "residuals", output, plots.residuals(shown, unit)
         if len(surrogate.inputs) == 2:
             yield "map", output, plots.fitted_map(surrogate, output, fit.runs.designs)
         if found.learning is not None:
-            yield "learning", output, plots.learning_curves(found.learning, unit)
+            yield "learning", output, plots.learning_curves(found.learning, unit, found.foremost)
 
 
 def _file_names(outputs: Iterable[str]) -> dict[str, str]:

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import html
+import math
 from collections.abc import Iterable
 from typing import Any
 
 from numpy.typing import NDArray
 
-from ..plots.style import typeset
+from ...quantities import typeset
+from ..plots.study import VIEW
 from ..plots.validation import COLOURS
 
 Figure = dict[str, Any]
 
 FONT = {"family": "system-ui, sans-serif", "size": 13, "color": "#1b1b1b"}
+
+DISTANCE = 2.75
+"""Of the eye from the middle of a cube of side 1."""
 
 # Beside the colours of the printed pictures, a marker for each.
 MARKERS = ("circle", "square", "triangle-up", "diamond", "triangle-down", "cross", "x", "triangle-left", "star")
@@ -62,10 +67,13 @@ def surface(
     }
 
 
-def space(titles: Iterable[str], eye: tuple[float, float, float], revision: str = "") -> dict[str, Any]:
+def space(titles: Iterable[str], azimuth: float, revision: str = "") -> dict[str, Any]:
     """Layout of a plot in three dimensions; the same revision keeps what the reader has turned."""
     axes = {f"{axis}axis": {"title": {"text": title}} for axis, title in zip("xyz", titles, strict=True)}
-    camera = {"eye": dict(zip("xyz", eye, strict=True)), "center": {"x": 0.0, "y": 0.0, "z": -0.12}}
+    elevation, around = math.radians(VIEW[0]), math.radians(azimuth)
+    sides = math.cos(elevation) * math.cos(around), math.cos(elevation) * math.sin(around), math.sin(elevation)
+    eye = {axis: DISTANCE * side for axis, side in zip("xyz", sides, strict=True)}
+    camera = {"eye": eye, "center": {"x": 0.0, "y": 0.0, "z": -0.12}}
     return {
         "scene": {**axes, "aspectmode": "cube", "camera": camera, "uirevision": revision},
         "font": FONT,

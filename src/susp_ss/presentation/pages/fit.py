@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import shlex
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,10 +12,11 @@ import numpy as np
 import pandas as pd
 
 from ...fit.fitting import Fit
+from ...quantities import titled
 from ..plots.study import SURFACES
-from ..plots.style import axis_label
+from ..plots.validation import GREY, OTHERS
 from ..reproduction import fit_code
-from ..text.fit import JUDGED, failures, meaning, median_errors, ranking_table, stated, tie, unknown, worth
+from ..text.fit import JUDGED, failures, meaning, median_errors, ranking_table, stated, tie, typed, unknown, worth
 from ..versions import versions
 from .figures import Figure, marker, plain, plane, scatter, space, style, surface
 from .page import number, picture, render
@@ -28,6 +30,9 @@ INK = "#000000"
 
 SHAPES = {1: "curve", 2: "surface"}
 """What shows a surrogate over the box, by its number of inputs."""
+
+AZIMUTHS = (155.0, 205.0, 25.0, 335.0, 65.0, 115.0, 245.0, 295.0)
+"""From where surfaces may be seen, in degrees: a little off either axis, a study's way first."""
 
 SHOWN = 5
 """Values of each input in the table that stands in for that."""
@@ -94,7 +99,8 @@ def _section(fit: Fit, output: str) -> dict[str, Any]:
         "shape": SHAPES.get(len(fit.surrogate.inputs)),
         "numbers": _numbers(fit, output),
         "failures": failures(found),
-        "formula": found.formula,
+        "typed": typed(found, unit),
+        "formula": None if found.formula is None else found.formula[1],
         "worst": _worst(fit, output),
         "learning": None if learning is None else (learning.columns.tolist(), dict(learning.T.items())),
     }
@@ -110,15 +116,15 @@ class Box(NamedTuple):
 
 
 def _boxes(fit: Fit, output: str) -> dict[str, list[Box]]:
-    """The boxes of each plot; of surrogates the one taken is shown, and the best with and without a cheap model."""
+    """The boxes of each plot; of surrogates the foremost are shown, of learning curves the others in grey."""
     found = fit.outputs[output]
-    shown = {found.chosen, found.comparison.baseline}
-    if found.untuned is not None:
-        shown.add(found.comparison.gain().tuned)
     surrogates = []
     for i, name in enumerate(found.comparison.table.index):
         colour, marker = style(i)
-        surrogates.append(Box(name, colour, marker.endswith("-open"), name in shown))
+        surrogates.append(Box(name, colour, marker.endswith("-open"), name in found.foremost))
+    curves = [box for box in surrogates if box.shown]
+    if len(curves) < len(surrogates):
+        curves.append(Box(OTHERS, GREY, False, True))
     names = [found.chosen, *([] if found.untuned is None else [UNTUNED])]
     faces, lines = (
         [
@@ -127,7 +133,7 @@ def _boxes(fit: Fit, output: str) -> dict[str, list[Box]]:
         ]
         for part in (0, 1)
     )
-    return {"parity": surrogates, "learning": surrogates, "curve": lines, "surface": faces}
+    return {"parity": surrogates, "learning": curves, "curve": lines, "surface": faces}
 
 
 def _figures(fit: Fit, output: str) -> dict[str, dict[str, Figure]]:
@@ -137,7 +143,7 @@ def _figures(fit: Fit, output: str) -> dict[str, dict[str, Figure]]:
     if shape is not None:
         figures[shape] = {"": {"surface": _surface, "curve": _curve}[shape](fit, output)}
     if found.learning is not None:
-        figures["learning"] = {"": _learning(median_errors(found), fit.runs.units[output])}
+        figures["learning"] = {"": _learning(median_errors(found), found.foremost, fit.runs.units[output])}
     return figures
 
 
@@ -162,7 +168,7 @@ def _parity(fit: Fit, output: str) -> dict[str, Figure]:
                 rest["error_y"] = {"array": one.margin.tolist(), "thickness": 1, "width": 3}
             height = {"prediction": one.predicted, "error": one.residuals}[view]
             data.append(scatter(name, one.y, height, hover, mode="markers", marker=marker(*style(i)), **rest))
-        titles = (plain(axis_label(name, unit)) for name in ("expensive response", side))
+        titles = (plain(titled(name, unit)) for name in ("expensive response", side))
         figures[view] = {"data": data, "layout": plane(*titles)}
     return figures
 
@@ -188,11 +194,19 @@ def _surface(fit: Fit, output: str, count: int = 25) -> Figure:
         "marker": {"size": 4, "color": INK},
         "hovertemplate": f"%{{text}}<br>{plain(output)} %{{z:.5g}} {plain(units[output])}<extra></extra>",
     }
-    titles = [plain(axis_label(name, units[name])) for name in names]
-    # From its low side a surface shows its upper face.
-    slope_y, slope_x = (np.mean(np.diff(data[0]["z"], axis=axis)) for axis in (0, 1))
-    eye = float(-np.copysign(1.3, slope_x)), float(-np.copysign(1.8, slope_y)), 1.0
-    return {"data": [*data, runs], "layout": space(titles, eye)}
+    titles = [plain(titled(name, units[name])) for name in names]
+    return {"data": [*data, runs], "layout": space(titles, _azimuth(fit))}
+
+
+def _azimuth(fit: Fit) -> float:
+    """From where the surfaces of all outputs show their upper faces: where none rises steeply towards the eye."""
+    corners = pd.DataFrame(itertools.product(*fit.surrogate.box.values()), columns=list(fit.surrogate.inputs))
+    heights = fit.surrogate.predict(corners)[list(fit.outputs)].to_numpy().reshape(2, 2, -1)
+    slopes = np.stack([np.diff(heights.mean(axis=1 - axis), axis=0)[0] for axis in (0, 1)])
+    slopes /= np.abs(slopes).max(axis=0) + np.finfo(float).tiny
+    towards = np.radians(AZIMUTHS)
+    rises = np.outer(np.cos(towards), slopes[0]) + np.outer(np.sin(towards), slopes[1])
+    return AZIMUTHS[int(rises.max(axis=1).argmin())]
 
 
 def _curve(fit: Fit, output: str, count: int = 200) -> Figure:
@@ -209,22 +223,26 @@ def _curve(fit: Fit, output: str, count: int = 200) -> Figure:
     runs = scatter(RUNS, given, responses, hover, mode="markers", marker=marker(INK, "circle"), text=_texts(fit))
     return {
         "data": [*data, runs],
-        "layout": plane(*(plain(axis_label(one, fit.runs.units[one])) for one in (name, output))),
+        "layout": plane(*(plain(titled(one, fit.runs.units[one])) for one in (name, output))),
     }
 
 
-def _learning(medians: pd.DataFrame, unit: str) -> Figure:
-    """Median error against the number of runs."""
-    data = []
+def _learning(medians: pd.DataFrame, foremost: Collection[str], unit: str) -> Figure:
+    """Median error against the number of runs, of the foremost in colour above the others in grey."""
+    others, data = [], []
     for i, (name, row) in enumerate(medians.iterrows()):
         known = row.dropna().astype(float)
-        hover = f"%{{x}} runs: %{{y:.3g}} {plain(unit)}"
-        look = {"mode": "lines+markers", "marker": marker(*style(i))}
-        data.append(scatter(str(name), known.index, known, hover, **look))
-    layout = plane("expensive runs", plain(axis_label("RMSE", unit)))
+        hover = f"{plain(str(name))}, %{{x}} runs: %{{y:.3g}} {plain(unit)}"
+        if name in foremost:
+            look = {"mode": "lines+markers", "marker": marker(*style(i))}
+            data.append(scatter(str(name), known.index, known, hover, **look))
+        else:
+            thin = {"mode": "lines", "line": {"color": GREY, "width": 1}}
+            others.append(scatter(OTHERS, known.index, known, hover, **thin))
+    layout = plane("expensive runs", plain(titled("RMSE", unit)))
     layout["xaxis"] |= {"type": "log", "tickvals": medians.columns.tolist(), "ticktext": [*map(str, medians.columns)]}
     layout["yaxis"] |= {"type": "log", "dtick": "D2"}
-    return {"data": data, "layout": layout}
+    return {"data": others + data, "layout": layout}
 
 
 def _predicted(fit: Fit, output: str, X: np.ndarray) -> dict[str, np.ndarray]:
@@ -245,8 +263,8 @@ def _numbers(fit: Fit, output: str) -> dict[str, Any] | None:
     predicted = _predicted(fit, output, designs)
     return {
         "columns": [
-            *(axis_label(name, units[name]) for name in box),
-            *(axis_label(name, units[output]) for name in predicted),
+            *(titled(name, units[name]) for name in box),
+            *(titled(name, units[output]) for name in predicted),
         ],
         "rows": np.column_stack([designs, *predicted.values()]).tolist(),
     }

@@ -12,7 +12,7 @@ from typing import Any
 import jinja2
 from plotly.offline import get_plotlyjs
 
-from ..plots.style import typeset
+from ...quantities import typeset
 
 
 def render(template: str, figures: dict[str, Any], **content: Any) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.ticker import MaxNLocator
 
-from ...quantities import KNOWN
+from ...quantities import KNOWN, titled
 from ...study.feasibility import Study
 from ...study.published import (
     CRITERIA,
@@ -23,10 +23,9 @@ from ...study.published import (
     ranking,
     relative_differences,
 )
-from ..plots.study import AXES, ERROR_AXES, SURFACES
+from ..plots.study import AXES, ERROR_AXES, SURFACES, VIEW
 from ..plots.study import CS as DAMPER
 from ..plots.study import KS as SPRING
-from ..plots.style import axis_label
 from ..reproduction import study_code, study_command
 from .figures import DIVERGING, Figure, marker, plane, scatter, space, surface
 from .page import number, picture, render, subscripted
@@ -40,11 +39,8 @@ FILLS = {"hf": SURFACES["hf"], "lf": SURFACES["lf"]} | {
     "PB": ("#cc79a7", "#663c53"),
 }
 
-# From where a surface shows its upper side: BAcc rises with C_s, the others fall.
-EYES = {"bacc": (-1.3, -1.8, 1.0), "dtl": (1.3, 1.8, 1.0), "sws": (1.3, 1.8, 1.0)}
-
 SPRINGS, DAMPERS = (subscripted(KNOWN[name].symbol) for name in ("ks", "cs"))
-KS, CS = axis_label(SPRINGS, SPRING.unit), axis_label(DAMPERS, DAMPER.unit)
+KS, CS = titled(SPRINGS, SPRING.unit), titled(DAMPERS, DAMPER.unit)
 DESIGN = f"{SPRINGS} %{{x:.2f}} {SPRING.unit}<br>{DAMPERS} %{{y:.3f}} {DAMPER.unit}<br>"
 
 BANDS = 15
@@ -74,7 +70,7 @@ def study_page(study: Study, document: dict[str, Any], pictures: Mapping[str, Pa
         document=document,
         versions=document["versions"],
         scenario=study.describe(),
-        criteria={name: axis_label(LABELS[name], unit) for name, unit in CRITERIA.items()},
+        criteria={name: titled(LABELS[name], unit) for name, unit in CRITERIA.items()},
         labels=LABELS,
         surrogates=SURROGATES,
         tables=TABLES,
@@ -105,7 +101,7 @@ def _surfaces(study: Study) -> dict[str, Figure]:
         ]
         figures[criterion] = {
             "data": data,
-            "layout": space((KS, CS, AXES[criterion].label), EYES[criterion], revision=criterion),
+            "layout": space((KS, CS, AXES[criterion].label), VIEW[1], revision=criterion),
         }
     return figures
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -16,6 +17,12 @@ from .style import COLUMN, LINES, STYLE, add_grid, add_legend, panels, shown
 
 # Grid lines drawn along either design variable, spread over those there are.
 MOST_LINES = 6
+
+# Of labels: their size in points, and where they may stand, so many points from the end of their line and so many
+# degrees off its direction; earlier ones first.
+SIZE = 7
+DISTANCES = (11.0, 15.0, 20.0, 26.0)
+TURNS = (0, 30, -30, 60, -60, 90, -90, 120, -120)
 
 # Design variable: colour and dashes of its lines.
 FAMILIES = {"ks": LINES[1], "cs": LINES[2]}
@@ -61,27 +68,14 @@ def carpet(metrics: xr.Dataset, x: str = "dtl", y: str = "bacc", colour: str = "
     with mpl.rc_context(STYLE):
         figure, given = panels(ax, 1, 1, (COLUMN, 3.1))
         axes = given[0, 0]
-        extent = [np.ptp(fields[name].values) or 1.0 for name in (x, y)]
+        families = {
+            dim: np.stack([fields[name].isel({dim: drawn[dim]}).transpose(dim, ...) for name in (x, y)], axis=-1)
+            for dim in FAMILIES
+        }
         for dim, (ink, dashes) in FAMILIES.items():
-            axis = shown(dim)
-            lines = np.stack([fields[name].isel({dim: drawn[dim]}).transpose(dim, ...) for name in (x, y)], axis=-1)
-            axes.plot(*np.moveaxis(lines, -1, 0).swapaxes(1, 2), color=ink, linestyle=dashes, linewidth=0.8)
-            axes.plot([], [], color=ink, linestyle=dashes, linewidth=0.8, label=axis.label)
-            for line, value in zip(
-                _from_wide_end(lines / extent), metrics[dim].values[drawn[dim]] / axis.one, strict=True
-            ):
-                away = line[0] - line[min(2, len(line) - 1)]
-                axes.annotate(
-                    f"{value:.3g}",
-                    line[0] * extent,
-                    xytext=11.0 * away / (np.linalg.norm(away) or 1.0),
-                    textcoords="offset points",
-                    ha="center",
-                    va="center",
-                    fontsize=7,
-                    color=ink,
-                    path_effects=[withStroke(linewidth=2.0, foreground="white")],
-                )
+            lines = np.moveaxis(families[dim], -1, 0).swapaxes(1, 2)
+            axes.plot(*lines, color=ink, linestyle=dashes, linewidth=0.8)
+            axes.plot([], [], color=ink, linestyle=dashes, linewidth=0.8, label=shown(dim).label)
         crossings = {name: field.isel(ks=drawn["ks"], cs=drawn["cs"]).values for name, field in fields.items()}
         dots = axes.scatter(crossings[x], crossings[y], c=crossings[colour], cmap="viridis", s=10, zorder=3)
         bar = figure.colorbar(dots, ax=axes)
@@ -90,7 +84,55 @@ def carpet(metrics: xr.Dataset, x: str = "dtl", y: str = "bacc", colour: str = "
         axes.margins(0.16)
         add_grid(axes)
         add_legend(figure, axes, inside=ax is not None, columns=2)
+        figure.draw_without_rendering()  # Labels are placed where the layout puts the points.
+        values = {dim: metrics[dim].values[drawn[dim]] / shown(dim).one for dim in FAMILIES}
+        _label_lines(axes, families, values, np.stack([crossings[x].ravel(), crossings[y].ravel()], axis=-1))
     return figure
+
+
+class Box(NamedTuple):
+    """The middle of a rectangle and half its sides, each (2,) in points."""
+
+    middle: NDArray[np.float64]
+    half: NDArray[np.float64]
+
+    def meets(self, other: Box) -> bool:
+        """Whether they overlap."""
+        return bool((np.abs(self.middle - other.middle) < self.half + other.half).all())
+
+
+def _label_lines(
+    axes: Any, families: Mapping[str, NDArray], values: Mapping[str, NDArray], dots: NDArray[np.float64]
+) -> None:
+    """Write its value beside an end of each line, near it and clear of the dots and of other labels."""
+    per_point = axes.get_figure(root=True).dpi / 72.0
+    placed = [Box(dot, np.full(2, 2.5)) for dot in axes.transData.transform(dots) / per_point]
+    for dim, lines in families.items():
+        on_paper = axes.transData.transform(lines.reshape(-1, 2)).reshape(lines.shape) / per_point
+        for line, value in zip(_from_wide_end(on_paper), values[dim], strict=True):
+            text = f"{value:.3g}"
+            along = line[0] - line[min(2, len(line) - 1)]
+            away = np.arctan2(along[1], along[0])
+            offsets = [
+                distance * np.array([np.cos(away + turn), np.sin(away + turn)])
+                for distance in DISTANCES
+                for turn in np.radians(TURNS)
+            ]
+            half = 0.5 * SIZE * np.array([0.6 * len(text), 1.0])
+            boxes = [Box(line[0] + offset, half) for offset in offsets]
+            least = int(np.argmin([sum(map(box.meets, placed)) for box in boxes]))
+            placed.append(boxes[least])
+            axes.annotate(
+                text,
+                axes.transData.inverted().transform(line[0] * per_point),
+                xytext=offsets[least],
+                textcoords="offset points",
+                ha="center",
+                va="center",
+                fontsize=SIZE,
+                color=FAMILIES[dim][0],
+                path_effects=[withStroke(linewidth=2.0, foreground="white")],
+            )
 
 
 def _scaled(metrics: xr.Dataset, name: str) -> xr.DataArray:

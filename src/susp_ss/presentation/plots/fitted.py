@@ -10,7 +10,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...fit.surrogate_file import SuspensionSurrogate
-from .style import COLUMN, STYLE, axis_label, panels
+from ...quantities import titled
+from .style import COLUMN, STYLE, panels
 
 NODES = 60
 """Of the grid that is predicted, along each input."""
@@ -69,7 +70,7 @@ def fitted_map(
         axes.contour(x, y, predicted, levels=image.levels, colors="white", linewidths=0.3)
         if designs is not None:
             axes.plot(designs[x_name], designs[y_name], "o", color="black", markersize=3.0, mec="white", mew=0.5)
-        axes.set_xlabel(axis_label(x_name, surrogate.inputs[x_name]))
-        axes.set_ylabel(axis_label(y_name, surrogate.inputs[y_name]))
-        figure.colorbar(image, ax=axes).set_label(axis_label(output, surrogate.outputs[output]))
+        axes.set_xlabel(titled(x_name, surrogate.inputs[x_name]))
+        axes.set_ylabel(titled(y_name, surrogate.inputs[y_name]))
+        figure.colorbar(image, ax=axes).set_label(titled(output, surrogate.outputs[output]))
     return figure

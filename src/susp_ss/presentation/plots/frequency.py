@@ -19,7 +19,7 @@ from ...study.published import LABELS
 from ...vehicles.full import FullCar
 from ...vehicles.quarter import QuarterCar
 from ...vehicles.vehicle import Vehicle
-from .style import COLUMN, STYLE, WIDTH, add_grid, add_legend, panels, shown, styled, typeset
+from .style import COLUMN, STYLE, WIDTH, add_grid, add_legend, panels, shown, styled
 
 # Spectra: tyre load in N, whose squares stay readable.
 SPECTRA = {name: shown(name, {"dtl": "N"}.get(name, "")) for name in LABELS}
@@ -62,7 +62,7 @@ def bode(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
                 H = curve.sel({dim: output})
                 above.loglog(H.frequency, np.abs(H), **style)
                 below.semilogx(H.frequency, np.degrees(np.unwrap(np.angle(H))), **style)
-            above.set(title=LABELS.get(output, output), ylabel=f"|H| ({_per_metre(output)})")
+            above.set(title=LABELS.get(output, output), ylabel=titled("|H|", _per_metre(output)))
             below.set(xlabel="frequency (Hz)", ylabel="phase (deg)")
             below.yaxis.set_major_locator(mpl.ticker.MaxNLocator(7, steps=[1, 1.8, 4.5, 9, 10]))
             add_grid(above)
@@ -179,7 +179,7 @@ def _criteria(response: xr.DataArray, corner: str) -> xr.DataArray:
 
 
 def _per_metre(output: str) -> str:
-    return f"{_grouped(typeset(unit_of(output)))}/m"
+    return f"{_grouped(unit_of(output))}/m"
 
 
 def _grouped(unit: str) -> str:

@@ -26,8 +26,9 @@ FORMULAE = {"RB": "$S = a_0 + a_1 f$", "VB": "$S = f + a_0 + a_1 K_s + a_2 C_s$"
 AXES = {name: shown(name) for name in CRITERIA}
 ERROR_AXES = AXES | {"dtl": shown("dtl", "N")}
 KS, CS = shown("ks"), shown("cs")
-# Elevation and azimuth in degrees, from where a surface shows its upper side: BAcc rises with C_s, the others fall.
-VIEWS = {"bacc": (25.0, -130.0), "dtl": (28.0, 50.0), "sws": (28.0, 50.0)}
+VIEW = (34.0, 155.0)
+"""Elevation and azimuth in degrees, the same for all criteria. Along K_s every surface shows its upper side: over C_s
+BAcc rises and the others fall."""
 
 
 def response_surfaces(
@@ -62,17 +63,15 @@ def response_surfaces(
     with mpl.rc_context(STYLE):
         if ax is None:
             figure = new_figure(WIDTH if count > 1 else 0.5 * WIDTH, 2.75)
-            ax = [
-                figure.add_axes(((i + 0.11) / count, 0.12, 0.88 / count, 0.84), projection="3d") for i in range(count)
-            ]
+            ax = [figure.add_axes((i / count, 0.12, 0.83 / count, 0.84), projection="3d") for i in range(count)]
         figure, ((*given,),) = panels(ax, 1, count, (0.0, 0.0))
         for i, (axes, criterion) in enumerate(zip(given, criteria, strict=True)):
             symbol, _, one = AXES[criterion]
             here = study.responses.sel(criterion=criterion) / one
-            _surfaces(axes, here, {"lf": "lf", "hf": "hf", "surrogate": surrogate}, *VIEWS[criterion])
+            _surfaces(axes, here, {"lf": "lf", "hf": "hf", "surrogate": surrogate}, *VIEW)
             axes.set_xlabel(KS.label, labelpad=-6)
             axes.set_ylabel(CS.label, labelpad=-6)
-            axes.set_zlabel(AXES[criterion].label, labelpad=-5)
+            axes.set_zlabel(AXES[criterion].label, labelpad=-1)
             if count > 1:
                 axes.set_title(f"({'abc'[i]}) {symbol}", y=1.0)
         labels = ["quarter car", "full car", f"{surrogate}: {FORMULAE[surrogate]}"]
@@ -101,7 +100,8 @@ def error_map(study: Study, surrogate: str, criteria: Sequence[str] = tuple(CRIT
     Returns
     -------
     matplotlib.figure.Figure
-        One panel a criterion, blue where the surrogate is too low, red where it is too high.
+        One panel a criterion, blue where the surrogate is too low, red where it is too high; a black line where it is
+        right and a cross at the node where it is furthest off.
 
     Examples
     --------
@@ -127,6 +127,8 @@ def error_map(study: Study, surrogate: str, criteria: Sequence[str] = tuple(CRIT
             )
             if float(error.min()) < 0.0 < float(error.max()):
                 axes.contour(here.ks / KS.one, here.cs / CS.one, error, levels=[0.0], colors="black", linewidths=0.7)
+            worst = error.isel(abs(error).argmax(...))
+            axes.plot(worst.ks / KS.one, worst.cs / CS.one, "x", color="black", clip_on=False, zorder=3)
             bar = figure.colorbar(image, ax=axes, location="bottom", ticks=mpl.ticker.MaxNLocator(5))
             bar.set_label(f"{surrogate} error of {symbol} ({unit})")
             axes.set_title(symbol)

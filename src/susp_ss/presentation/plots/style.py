@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ...quantities import KNOWN, briefly, titled, units_of
+from ...quantities import KNOWN, briefly, titled, typeset, units_of
 
 STYLE: Any = {
     "font.size": 8.0,
@@ -77,16 +77,6 @@ def add_legend(figure: Figure, axes: Axes, inside: bool, columns: int = 3) -> No
 
 def add_grid(axes: Axes) -> None:
     axes.grid(which="major", linewidth=0.4, color="0.8")
-
-
-def typeset(text: str) -> str:
-    """Exponents of units as print has them."""
-    return text.replace("^2", "²").replace("^3", "³")
-
-
-def axis_label(name: str, unit: str) -> str:
-    """A name with its unit as print has it, for an axis or a column."""
-    return titled(name, typeset(unit))
 
 
 class Shown(NamedTuple):

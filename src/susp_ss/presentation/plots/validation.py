@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
 import matplotlib as mpl
@@ -20,6 +20,7 @@ from .style import COLUMN, STYLE, new_figure
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#7a3b00")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", "*")
 DASHES = ("-", "--", "-.", ":")
+OTHERS, GREY = "the others", "#a6a6a6"
 
 GRID: Any = {"linewidth": 0.4, "color": "0.85"}
 
@@ -104,7 +105,9 @@ def residuals(validations: Validation | Mapping[str, Validation], unit: str = ""
     return _drawn(draw, ax, 2.3, len(several))
 
 
-def learning_curves(table: pd.DataFrame, unit: str = "", ax: Axes | None = None) -> Figure:
+def learning_curves(
+    table: pd.DataFrame, unit: str = "", foremost: Collection[str] | None = None, ax: Axes | None = None
+) -> Figure:
     """Error against the number of expensive runs, median and range over the repeats.
 
     Parameters
@@ -113,12 +116,19 @@ def learning_curves(table: pd.DataFrame, unit: str = "", ax: Axes | None = None)
         Of `susp_ss.learning_curve` or `susp_ss.learning_curve_of_runs`; fits that were refused are left out.
     unit : str
         Of the response.
+    foremost : collection of str, optional
+        Surrogates to look at; the others are grey lines, without their range. All of them if None.
     ax : matplotlib.axes.Axes, optional
         Where to draw; a new figure if None.
 
     Returns
     -------
     matplotlib.figure.Figure
+
+    Raises
+    ------
+    ValueError
+        A surrogate that is not in the table.
 
     Examples
     --------
@@ -133,15 +143,24 @@ def learning_curves(table: pd.DataFrame, unit: str = "", ax: Axes | None = None)
     >>> figure.axes[0].get_ylabel()
     'RMSE (N)'
     """
-    errors = {name: part.groupby("runs")["RMSE"] for name, part in table.groupby("surrogate", sort=False)}
+    errors = {str(name): part.groupby("runs")["RMSE"] for name, part in table.groupby("surrogate", sort=False)}
+    coloured = list(errors if foremost is None else foremost)
+    unknown = [name for name in coloured if name not in errors]
+    if unknown:
+        raise ValueError(f"no surrogate named {unknown[0]!r} in the table, available: {', '.join(errors)}")
+    others = [name for name in errors if name not in coloured]
 
     def draw(axes: Axes) -> None:
-        for i, ((name, error), style) in enumerate(zip(errors.items(), _styles(), strict=False)):
+        for i, (name, style) in enumerate(zip(coloured, _styles(), strict=False)):
+            error = errors[name]
             middle = error.median()
             whiskers = [middle - error.min(), error.max() - middle]
             # Side by side, so that whiskers do not hide one another.
-            runs = middle.index * 1.02 ** (i - (len(errors) - 1) / 2)
-            axes.errorbar(runs, middle, yerr=whiskers, label=str(name), **_line(style))
+            runs = middle.index * 1.02 ** (i - (len(coloured) - 1) / 2)
+            axes.errorbar(runs, middle, yerr=whiskers, label=name, **_line(style))
+        for i, name in enumerate(others):
+            middle = errors[name].median()
+            axes.plot(middle.index, middle, color=GREY, linewidth=0.7, zorder=1, label="_" if i else OTHERS)
         axes.set_xscale("log")
         axes.set_yscale("log")
         counts = sorted(table["runs"].unique())
@@ -150,7 +169,7 @@ def learning_curves(table: pd.DataFrame, unit: str = "", ax: Axes | None = None)
         axes.set_xlabel("expensive runs")
         axes.set_ylabel(titled("RMSE", unit))
 
-    return _drawn(draw, ax, 2.6, len(errors))
+    return _drawn(draw, ax, 2.6, len(coloured) + bool(others))
 
 
 def _drawn(draw: Callable[[Axes], None], ax: Axes | None, height: float, entries: int) -> Figure:

@@ -8,7 +8,7 @@ import textwrap
 import pandas as pd
 
 from ...fit.fitting import Fit, OutputFit
-from ...quantities import METRICS, metric_and_place
+from ...quantities import METRICS, metric_and_place, titled, typeset
 from ...surrogates import ParameterBased
 
 JUDGED = (
@@ -26,11 +26,11 @@ def fit_text(fit: Fit) -> str:
 def _head(fit: Fit) -> str:
     runs, cheap = fit.runs, fit.low_fidelity
     box = fit.surrogate.box.items()
-    inputs = ", ".join(f"{name} {low:g} to {high:g} {runs.units[name]}".rstrip() for name, (low, high) in box)
+    inputs = ", ".join(f"{name} {low:g} to {high:g} {typeset(runs.units[name])}".rstrip() for name, (low, high) in box)
     return "\n".join(
         [
             _paragraph(f"{len(runs.rows)} runs of {runs.path}: {inputs}"),
-            _paragraph(f"Cheap model: {type(cheap.vehicle).__name__}; {cheap.road.describe()}"),
+            _paragraph(f"Cheap model: {type(cheap.vehicle).__name__}; {typeset(cheap.road.describe())}"),
             *(_paragraph(line) for line in [*unknown(fit), JUDGED]),
         ]
     )
@@ -52,19 +52,18 @@ def unknown(fit: Fit) -> list[str]:
 def _output(fit: Fit, output: str) -> str:
     found, unit, y = fit.outputs[output], fit.runs.units[output], fit.runs.responses[output]
     lines = [
-        f"{output}: {meaning(output)}, {y.min():.4g} to {y.max():.4g} {unit}".rstrip(),
+        f"{output}: {meaning(output)}, {y.min():.4g} to {y.max():.4g} {typeset(unit)}".rstrip(),
         ranking_table(found, unit).to_string(),
         f"Taken: {found.chosen}.",
     ]
     lines += [_paragraph(line) for line in [*tie(found), worth(fit, found), *stated(found)]]
     if found.learning is not None:
         medians = median_errors(found).map("{:.3g}".format, na_action="ignore").rename_axis(columns=None, index=None)
-        lines.append(f"RMSE ({unit}) after fewer runs, median of draws\n{medians.to_string(na_rep='-')}")
+        lines.append(f"{titled('RMSE', unit)} after fewer runs, median of draws\n{medians.to_string(na_rep='-')}")
     lines += map(_paragraph, failures(found))
-    if found.formula is None:
-        lines.append("None of these has a formula to type.")
-    else:
-        lines.append(f"To type ({found.formula[0]}, SI units): {output} = {found.formula[1]}")
+    lines += map(_paragraph, typed(found, unit))
+    if found.formula is not None:
+        lines.append(f"{output} = {found.formula[1]}")
     return "\n".join(lines)
 
 
@@ -81,7 +80,7 @@ def ranking_table(found: OutputFit, unit: str) -> pd.DataFrame:
     shown = pd.DataFrame(
         {
             "cheap model": table.low_fidelity.map({True: "yes", False: "no"}),
-            f"RMSE ({unit})": table.RMSE.map("{:.4g}".format),
+            titled("RMSE", unit): table.RMSE.map("{:.4g}".format),
             "95 % of RMSE": [
                 f"{low:.3g} to {high:.3g}" for low, high in zip(table.RMSE_low, table.RMSE_high, strict=True)
             ],
@@ -139,6 +138,20 @@ def worth(fit: Fit, found: OutputFit) -> str:
         f"Without the cheap model, the same {len(fit.runs.rows)} runs give {gain.baseline}, with {gain.ratio:.2g} "
         f"times the RMSE of {gain.tuned}{bounds}."
     )
+
+
+def typed(found: OutputFit, unit: str) -> list[str]:
+    """What a formula to type is worth beside the surrogate taken, by the same folds; that there is none, if so."""
+    if found.formula is None:
+        return ["None of these has a formula to type into a spreadsheet."]
+    name, rmse = found.formula[0], found.comparison.table.RMSE
+    error = f"at runs left out its RMSE is {rmse[name]:.4g} {typeset(unit)}".rstrip()
+    if name == found.chosen:
+        return [f"To type into a spreadsheet, in SI units: {name}, the surrogate taken; {error}."]
+    return [
+        f"To type into a spreadsheet, in SI units: {name}, not the surrogate taken; {error}, by the same folds that of "
+        f"{found.chosen} is {rmse[found.chosen]:.4g}."
+    ]
 
 
 def median_errors(found: OutputFit) -> pd.DataFrame:

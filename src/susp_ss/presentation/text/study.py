@@ -7,6 +7,7 @@ import textwrap
 import numpy as np
 import pandas as pd
 
+from ...quantities import titled, typeset
 from ...study.feasibility import Study
 from ...study.published import (
     ACCURACY,
@@ -26,7 +27,7 @@ WIDTH = 96
 def study_text(study: Study) -> str:
     """Tables 3 to 5 with ours beside the published values, what agrees, held-out accuracy and cost."""
     entries = study.comparison()
-    blocks = [f"Feasibility study: {study.describe()}"]
+    blocks = [f"Feasibility study: {typeset(study.describe())}"]
     if study.as_published:
         blocks.append(
             _paragraph(
@@ -50,7 +51,7 @@ def _table(entries: pd.DataFrame, surrogate: str, beside: bool) -> str:
         (row["criterion"], row["quantity"]): (row["ours"], row["published"])
         for row in entries[entries.surrogate == surrogate].to_dict("records")
     }
-    head = [f"{LABELS[criterion]} ({unit})" for criterion, unit in CRITERIA.items()]
+    head = [titled(LABELS[criterion], unit) for criterion, unit in CRITERIA.items()]
     lines = [" " * 6 + "".join(f"{name:>26}" for name in head)]
     if beside:
         lines.append(" " * 6 + f"{'ours':>14}{'published':>12}" * len(CRITERIA))

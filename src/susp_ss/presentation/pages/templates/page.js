@@ -1,7 +1,13 @@
 "use strict";
 (() => {
   const figures = JSON.parse(document.getElementById("figures").textContent);
-  const settings = { responsive: true, displaylogo: false };
+  // On a touch screen the toolbar would always stand over the title; fingers zoom, and a double tap resets.
+  const settings = {
+    responsive: true,
+    displaylogo: false,
+    displayModeBar: matchMedia("(hover: hover)").matches ? "hover" : false,
+    modeBarButtonsToRemove: ["select2d", "lasso2d", "zoomIn2d", "zoomOut2d", "autoScale2d"],
+  };
   const plots = [...document.querySelectorAll(".plot")];
 
   const controls = (type, plot) => [...document.querySelectorAll(`input[type=${type}][data-plots~="${plot.id}"]`)];
