@@ -59,6 +59,7 @@ nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = -1
 nb_merge_streams = True
+nb_output_stderr = "error"
 os.environ["PYDEVD_DISABLE_FILE_VALIDATION"] = "1"
 
 html_theme = "pydata_sphinx_theme"
@@ -76,9 +77,12 @@ html_theme_options = {
     "header_links_before_dropdown": 8,
     "show_prev_next": True,
     "show_nav_level": 1,
+    "show_toc_level": 2,
     "secondary_sidebar_items": ["page-toc"],
     "footer_start": ["copyright"],
     "footer_end": [],
 }
 myst_substitutions = {"version": version}
-html_sidebars = {"index": [], "start": [], "changelog": []}
+# Pages without others below them.
+ALONE = ("index", "start", "command-line", "limits", "benchmarks", "architecture", "cite", "changelog")
+html_sidebars = {page: [] for page in ALONE}

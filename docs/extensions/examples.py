@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import textwrap
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -16,7 +17,8 @@ from docutils import nodes
 from docutils.parsers.rst import directives
 from sphinx.util.docutils import SphinxDirective
 
-WIDTH = 86
+WIDTH = 80
+"""Columns of the terminal."""
 
 
 class _Example(SphinxDirective):
@@ -48,10 +50,10 @@ class File(_Example):
 class Command(_Example):
     """Run command lines, and show them with their output."""
 
-    option_spec: ClassVar[dict[str, Any]] = {"lines": directives.positive_int, "silent": directives.flag}
+    option_spec: ClassVar[dict[str, Any]] = {"lines": directives.positive_int}
 
     def run(self) -> list[nodes.Node]:
-        """Return the lines, and what they printed: so many ``lines`` of it, or if ``silent`` nothing."""
+        """Return the lines, and what they printed: so many ``lines`` of it if asked for."""
         text = "\n".join(self.content)
         path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
         environment = os.environ | {"PATH": path, "COLUMNS": str(WIDTH), "NO_COLOR": "1", "TERM": "dumb"}
@@ -67,8 +69,9 @@ class Command(_Example):
         if ran.returncode:
             raise self.error(f"exit code {ran.returncode} of\n{text}\n{ran.stderr}")
         blocks = [nodes.literal_block(text, text, language="bash", classes=["command"])]
-        printed = ran.stdout.rstrip().splitlines()
-        if printed and "silent" not in self.options:
+        lines = ran.stdout.rstrip().splitlines()
+        printed = [part for line in lines for part in (textwrap.wrap(line, WIDTH) if len(line) > WIDTH else [line])]
+        if printed:
             shown = printed[: self.options.get("lines", len(printed))]
             out = "\n".join(shown + ["..."] * (len(shown) < len(printed)))
             blocks.append(nodes.literal_block(out, out, language="text", classes=["printed"]))
