@@ -73,7 +73,9 @@ def space(titles: Iterable[str], azimuth: float, revision: str = "") -> dict[str
     elevation, around = math.radians(VIEW[0]), math.radians(azimuth)
     sides = math.cos(elevation) * math.cos(around), math.cos(elevation) * math.sin(around), math.sin(elevation)
     eye = {axis: DISTANCE * side for axis, side in zip("xyz", sides, strict=True)}
-    camera = {"eye": eye, "center": {"x": 0.0, "y": 0.0, "z": -0.12}}
+    # A little to the right on the screen, so that the title of the vertical axis fits a phone.
+    center = {"x": 0.1 * math.sin(around), "y": -0.1 * math.cos(around), "z": -0.12}
+    camera = {"eye": eye, "center": center}
     return {
         "scene": {**axes, "aspectmode": "cube", "camera": camera, "uirevision": revision},
         "font": FONT,

@@ -1,9 +1,11 @@
 """Pictures, one function each, sized for print.
 
 Every function returns a `matplotlib.figure.Figure`, which needs no window system: ``figure.savefig("name.png")``. It
-draws on Axes of your own where ``ax`` gives them, one for each panel.
+draws on Axes of your own where ``ax`` gives them, one for each panel. ``Described(figure, words)`` shows one in a
+notebook with alternative text.
 """
 
+from .described import Described
 from .designs import carpet
 from .fitted import fitted_map
 from .frequency import bode, bode_magnitude, psd, study_curves
@@ -19,6 +21,7 @@ __all__ = [
     "LINES",
     "STYLE",
     "WIDTH",
+    "Described",
     "bode",
     "bode_magnitude",
     "carpet",

@@ -63,7 +63,7 @@ def response_surfaces(
     with mpl.rc_context(STYLE):
         if ax is None:
             figure = new_figure(WIDTH if count > 1 else 0.5 * WIDTH, 2.75)
-            ax = [figure.add_axes((i / count, 0.12, 0.83 / count, 0.84), projection="3d") for i in range(count)]
+            ax = [figure.add_axes((i / count, 0.14, 0.83 / count, 0.83), projection="3d") for i in range(count)]
         figure, ((*given,),) = panels(ax, 1, count, (0.0, 0.0))
         for i, (axes, criterion) in enumerate(zip(given, criteria, strict=True)):
             symbol, _, one = AXES[criterion]
