@@ -4,6 +4,8 @@ import os
 import sys
 from pathlib import Path
 
+import yaml
+
 import susp_ss
 
 HERE = Path(__file__).parent
@@ -50,6 +52,12 @@ numpydoc_xref_ignore = "all"
 
 myst_enable_extensions = ["deflist", "dollarmath", "fieldlist", "attrs_inline", "substitution"]
 myst_heading_anchors = 3
+CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+myst_substitutions = {
+    "bib_author": f"{{{CITATION['authors'][0]['name']}}}",
+    "bib_title": f"{{{CITATION['title']}}}",
+    "bib_version": f"{{{version}}}",
+}
 myst_dmath_double_inline = True
 
 # Pages with cells run as they are built. Lessons show the run that is committed, which the tests repeat.
@@ -61,6 +69,11 @@ nb_execution_timeout = -1
 nb_merge_streams = True
 nb_output_stderr = "error"
 os.environ["PYDEVD_DISABLE_FILE_VALIDATION"] = "1"
+# Kernels of their own settings, so that nobody's own reach the pages; quiet about running on this machine.
+os.environ["IPYTHONDIR"] = str(HERE / "_build" / "ipython")
+PROFILE = HERE / "_build" / "ipython" / "profile_default"
+PROFILE.mkdir(parents=True, exist_ok=True)
+(PROFILE / "ipython_kernel_config.py").write_text("c.IPKernelApp.log_level = 40\n", encoding="utf-8")
 
 html_theme = "pydata_sphinx_theme"
 html_title = "susp_ss"
@@ -82,7 +95,6 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
-myst_substitutions = {"version": version}
 # Pages without others below them.
-ALONE = ("index", "start", "command-line", "limits", "benchmarks", "architecture", "cite", "changelog")
+ALONE = ("index", "start", "command-line", "limits", "benchmarks", "cite", "changelog")
 html_sidebars = {page: [] for page in ALONE}

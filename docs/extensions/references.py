@@ -72,7 +72,8 @@ def _resolve(app: Any, env: Any, node: Any, content: nodes.Element) -> nodes.Ele
 def _types(app: Any, config: Any) -> None:
     # Nobody needs a link to `float`.
     DEFAULT_LINKS.clear()
-    config.numpydoc_xref_aliases = TYPES | {name: name for name in ("control.StateSpace", *TYPES.values())}
+    full = ("control.StateSpace", *TYPES.values())
+    config.numpydoc_xref_aliases = TYPES | {name: f":obj:`{name}`" for name in full}
 
 
 def _kind(app: Any, name: str, which: type, options: Any, bases: list[type]) -> None:
