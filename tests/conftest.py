@@ -7,6 +7,7 @@ from typing import NamedTuple
 import hypothesis
 import pytest
 
+from susp_ss import progress
 from susp_ss.cli import main
 from susp_ss.surrogates import kriging
 
@@ -60,10 +61,22 @@ def missing(monkeypatch):
     def hide(library, loaded_by=()):
         for name in list(sys.modules):
             if f"{name}.".startswith((f"{library}.", *(f"{module}." for module in loaded_by))):
+                # Its package knows it by an attribute as well, which must be the old one again afterwards.
+                package, _, own = name.rpartition(".")
+                if package in sys.modules:
+                    monkeypatch.delattr(sys.modules[package], own, raising=False)
                 monkeypatch.delitem(sys.modules, name)
         monkeypatch.setitem(sys.modules, library, None)
 
     return hide
+
+
+@pytest.fixture(autouse=True, scope="session")
+def no_lines_by_the_clock():
+    """Off a terminal, progress is a line every ten seconds; what a test reads must not hang on the machine's speed."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(progress, "EVERY", float("inf"))
+        yield
 
 
 @pytest.fixture(autouse=True, scope="session")
