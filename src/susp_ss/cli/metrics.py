@@ -90,7 +90,7 @@ def _document(vehicle: "Vehicle", road: "Road", method: str, result: "xr.Dataset
 
 
 def _comment(data: "xr.DataArray") -> str:
-    return f"; {data.attrs['comment']}" if "comment" in data.attrs else ""
+    return f"; {data.attrs['comment']}" if "comment" in data.attrs and float("inf") in data.values else ""
 
 
 def _by_place(data: "xr.DataArray") -> list[tuple[str, float]]:

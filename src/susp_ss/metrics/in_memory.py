@@ -25,7 +25,7 @@ INFINITE = (
     "infinite where a damper passes the road's vertical velocity straight on (tyre damping, or a rigid tyre): up to "
     "waviness 3 that velocity has no finite variance; set ct = 0, or take a road of a waviness above 3"
 )
-"""Why a metric may be infinite: the comment of its variable."""
+"""When a tyre load has no finite variance: the comment of its variable."""
 
 
 def metrics_in_memory(vehicle: Vehicle, road: Road, method: str, designs: int, **record: Any) -> xr.Dataset:
@@ -55,9 +55,7 @@ def _labelled(layout: Layout, space: DesignSpace, damping: Array, variances: Arr
     power = damping * variances[:, rates]
     roots = np.sqrt(variances, out=variances)
     metrics = labelled_outputs(layout, roots, power, space, long_name="{statistic} {meaning}")
-    for data in metrics.values():
-        if data.size and data.values.max() == np.inf:
-            data.attrs["comment"] = INFINITE
+    metrics.dtl.attrs["comment"] = INFINITE
     if errors is None:
         return metrics
     with np.errstate(divide="ignore", invalid="ignore"):
