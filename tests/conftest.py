@@ -1,5 +1,6 @@
 """What several tests use."""
 
+import contextlib
 import shutil
 import sys
 from typing import NamedTuple
@@ -100,9 +101,9 @@ def browser():
         running.close()
 
 
-@pytest.fixture
-def opened(browser):
-    """Open a page; at the end, nothing must have gone wrong or been asked of the network."""
+@contextlib.contextmanager
+def pages(browser):
+    """Open pages; at the end, nothing must have gone wrong or been asked of the network."""
     wrong, contexts = [], []
 
     def open_page(path, width=1000, **context):
@@ -122,3 +123,10 @@ def opened(browser):
     assert all(url.startswith(("file:", "data:", "blob:")) for url in open_page.asked), open_page.asked
     for context in contexts:
         context.close()
+
+
+@pytest.fixture
+def opened(browser):
+    """Open a page of its own."""
+    with pages(browser) as open_page:
+        yield open_page

@@ -1,5 +1,6 @@
 """The pages of a study and of a fit, as text and in a browser."""
 
+import functools
 import html.parser
 import io
 import json
@@ -14,6 +15,7 @@ import pytest
 import xarray as xr
 
 import susp_ss as ss
+from conftest import pages
 from susp_ss.fit import fitting
 from susp_ss.presentation.pages.figures import plain
 from susp_ss.presentation.pages.page import number
@@ -192,12 +194,36 @@ def test_numbers(value, shown):
 # In a browser
 
 
+def is_one_file(asked):
+    # Chromium reports the pictures that a page carries as requests, too.
+    return all(re.match(r"file:///.*/report\.html$|data:|blob:", url) for url in asked)
+
+
 @pytest.fixture
 def opened(opened):
     """Open a page, which must be one file."""
     yield opened
-    # Chromium reports the pictures that a page carries as requests, too.
-    assert all(re.match(r"file:///.*/report\.html$|data:|blob:", url) for url in opened.asked), opened.asked
+    assert is_one_file(opened.asked), opened.asked
+
+
+@pytest.fixture(scope="module")
+def kept(browser):
+    """Pages that stay open, for drawing one takes seconds."""
+    with pages(browser) as open_page:
+        yield functools.cache(open_page)
+        assert is_one_file(open_page.asked), open_page.asked
+
+
+@pytest.fixture
+def seen(kept):
+    """See a page as it has been left, on the screen."""
+
+    def look(path):
+        tab = kept(path)
+        tab.emulate_media(media="screen")
+        return tab
+
+    return look
 
 
 def pixels(tab, selector):
@@ -231,10 +257,10 @@ def test_surfaces_are_drawn_and_can_be_toggled(opened, studied):
     assert yellow(drawn(tab, "#surfaces")) == pytest.approx(yellow(shown), rel=0.02)
 
 
-def test_surfaces_hold_the_responses(opened, studied):
+def test_surfaces_hold_the_responses(seen, studied):
     with xr.open_dataset(studied / "responses.nc") as stored:
         responses = stored.load()
-    tab = opened(studied / "report.html")
+    tab = seen(studied / "report.html")
     for label, criterion, one in (("DTL", "dtl", 1e3), ("SWS", "sws", 1e-3), ("BAcc", "bacc", 1.0)):
         tab.get_by_label(label, exact=True).check()
         tab.wait_for_function(
@@ -256,9 +282,9 @@ def test_surfaces_hold_the_responses(opened, studied):
         assert visible == [criterion] * 2
 
 
-def test_tables_are_those_of_the_file(opened, studied):
+def test_tables_are_those_of_the_file(seen, studied):
     tables = json.loads((studied / "tables.json").read_text())["tables"]
-    tab = opened(studied / "report.html")
+    tab = seen(studied / "report.html")
     cells = tab.locator("table[data-surrogate] tbody tr").evaluate_all(
         """rows => rows.map(row => [row.closest("table").dataset.surrogate, row.closest("table").dataset.criterion,
         row.dataset.quantity, ...[...row.querySelectorAll("td")].map(cell => cell.textContent)])"""
@@ -321,8 +347,8 @@ LIVE = {"studied": ("chosen above", "Turn with the mouse"), "fit_folder": ("Poin
 
 
 @pytest.mark.parametrize("folder", LIVE)
-def test_paper_has_its_own_words(opened, request, folder):
-    tab = opened(request.getfixturevalue(folder) / "report.html")
+def test_paper_has_its_own_words(opened, seen, request, folder):
+    tab = seen(request.getfixturevalue(folder) / "report.html")
     tab.wait_for_selector(".plot canvas")
     assert all(words in tab.locator("main").inner_text() for words in LIVE[folder])
     still = opened(request.getfixturevalue(folder) / "report.html", java_script_enabled=False)
@@ -333,8 +359,8 @@ def test_paper_has_its_own_words(opened, request, folder):
         assert {"studied": "white surrogate", "fit_folder": "predictions.csv"}[folder] in text
 
 
-def test_paper_says_which_colour_is_which(opened, fit, fit_folder):
-    tab = opened(fit_folder / "report.html")
+def test_paper_says_which_colour_is_which(seen, fit, fit_folder):
+    tab = seen(fit_folder / "report.html")
     tab.wait_for_selector("#learning-0 .point")
     tab.emulate_media(media="print")
     for kind, more in (("parity", []), ("learning", ["the others"])):
@@ -342,8 +368,8 @@ def test_paper_says_which_colour_is_which(opened, fit, fit_folder):
         assert sorted(key) == sorted([*fit.outputs["bacc"].foremost, *more])
 
 
-def test_learning_curves_of_the_foremost_are_coloured(opened, fit, fit_folder):
-    tab = opened(fit_folder / "report.html")
+def test_learning_curves_of_the_foremost_are_coloured(seen, fit, fit_folder):
+    tab = seen(fit_folder / "report.html")
     tab.wait_for_selector("#learning-0 .point")
     traces = tab.evaluate("document.getElementById('learning-0').data")
     found = fit.outputs["bacc"]
@@ -357,20 +383,22 @@ def test_learning_curves_of_the_foremost_are_coloured(opened, fit, fit_folder):
     tab.locator("figure:has(#learning-0)").get_by_label("the others").uncheck()
     visible = tab.evaluate("document.getElementById('learning-0').data.map(t => [t.name, t.visible])")
     assert all(shown == (name != "the others") for name, shown in visible)
+    tab.locator("figure:has(#learning-0)").get_by_label("the others").check()
 
 
-def test_the_page_tells_the_error_of_its_formula(fit, fit_folder, opened):
-    text = " ".join(opened(fit_folder / "report.html").locator("main").inner_text().split())
+def test_the_page_tells_the_error_of_its_formula(fit, fit_folder, seen):
+    text = " ".join(seen(fit_folder / "report.html").locator("main").inner_text().split())
     for output, found in fit.outputs.items():
         (said,) = typed(found, fit.runs.units[output])
         assert said in text
     assert fit.outputs["bacc"].formula[0] != fit.outputs["bacc"].chosen
 
 
-def test_units_are_those_that_people_read(opened, page):
-    tab = opened(page)
-    tab.locator("pre").evaluate_all("all => all.forEach(one => one.remove())")  # Code keeps what programs read.
-    text = tab.locator("body").inner_text()
+def test_units_are_those_that_people_read(seen, page):
+    text = seen(page).locator("body").inner_text()
+    for code in seen(page).locator("pre").all_inner_texts():  # Code keeps what programs read.
+        assert code in text
+        text = text.replace(code, "")
     assert "m/s²" in text
     assert not re.search(r"m/s\^2|m\^3", text)
 
@@ -391,8 +419,8 @@ def test_surfaces_of_all_responses_are_seen_from_one_side(request, folder):
         assert rise < 0.5 * np.ptp(surface)
 
 
-def test_print(opened, page):
-    tab = opened(page)
+def test_print(seen, page):
+    tab = seen(page)
     tab.wait_for_selector(".plot canvas")
     tab.emulate_media(media="print")
     # A browser prints surfaces blank; pictures take their place.
@@ -408,8 +436,8 @@ def test_without_scripts(opened, page):
     assert tab.locator("img.still:visible").count() == tab.locator("img.still").count() > 0
 
 
-def test_keyboard(opened, studied):
-    tab = opened(studied / "report.html")
+def test_keyboard(seen, studied):
+    tab = seen(studied / "report.html")
     tab.wait_for_selector("#surfaces canvas")
     tab.get_by_label("RB", exact=True).focus()
     before = tab.evaluate("document.getElementById('surfaces').data.map(t => t.visible)")
@@ -418,8 +446,8 @@ def test_keyboard(opened, studied):
     assert [a != b for a, b in zip(before, after, strict=True)] == [False, False, True, False, False]
 
 
-def test_points_of_a_fit_say_where_they_stand(opened, fit, fit_folder):
-    tab = opened(fit_folder / "report.html")
+def test_points_of_a_fit_say_where_they_stand(seen, fit, fit_folder):
+    tab = seen(fit_folder / "report.html")
     tab.wait_for_selector("#parity-0 .point")
     kriging = tab.evaluate("document.getElementById('parity-0').data.find(t => t.name === 'VB')")
     validation = fit.outputs["bacc"].comparison.validations["VB"]
@@ -434,8 +462,8 @@ def test_points_of_a_fit_say_where_they_stand(opened, fit, fit_folder):
     assert re.search(r"line \d+", tab.locator("#parity-0 .hoverlayer").text_content())
 
 
-def test_the_surface_of_a_fit(opened, fit, fit_folder):
-    tab = opened(fit_folder / "report.html")
+def test_the_surface_of_a_fit(seen, fit, fit_folder):
+    tab = seen(fit_folder / "report.html")
     tab.wait_for_selector("#surface-0 canvas")
     taken, cheap, points = tab.evaluate("document.getElementById('surface-0').data")
     assert (cheap["name"], points["z"]) == ("cheap model, untuned", fit.runs.responses.bacc.tolist())
@@ -446,8 +474,8 @@ def test_the_surface_of_a_fit(opened, fit, fit_folder):
     assert yellow(drawn(tab, "#surface-0")) > 1000
 
 
-def test_names_are_shown_as_they_are(opened, hostile):
-    tab = opened(hostile / "report.html")
+def test_names_are_shown_as_they_are(seen, hostile):
+    tab = seen(hostile / "report.html")
     tab.wait_for_selector("#curve-0 .point")
     assert HOSTILE_OUTPUT in tab.locator("h2").first.text_content()
     titles = tab.locator("#curve-0 .infolayer text").all_text_contents()
@@ -456,8 +484,8 @@ def test_names_are_shown_as_they_are(opened, hostile):
 
 
 @pytest.mark.parametrize(("folder", "plots"), [("fit_folder", 6), ("hostile", 3)])
-def test_switches_have_the_colours_of_what_they_switch(opened, request, folder, plots):
-    tab = opened(request.getfixturevalue(folder) / "report.html")
+def test_switches_have_the_colours_of_what_they_switch(seen, request, folder, plots):
+    tab = seen(request.getfixturevalue(folder) / "report.html")
     tab.wait_for_selector("#learning-0 .point")
     swatches = tab.locator("input[type=checkbox]").evaluate_all(
         """all => all.map(input => [input.dataset.plots, input.value, input.checked,
