@@ -109,7 +109,7 @@ def _code(value: Any) -> str:
     if dataclasses.is_dataclass(value):
         fields = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
         defaults = {field.name: field.default for field in dataclasses.fields(value)}
-        # A field that is nothing by default and left at it goes without saying.
-        fields = {name: x for name, x in fields.items() if x is not defaults[name] and (x or defaults[name])}
+        # What is nothing, and is so by default, goes without saying.
+        fields = {name: x for name, x in fields.items() if x or defaults[name]}
         return _call(type(value).__name__, fields)
     return repr(value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value)
