@@ -1,0 +1,134 @@
+"""Who computes the chunks of a sweep: the threads of this machine, or the workers of a Dask cluster.
+
+Whoever computes a chunk writes it; marks are kept by the process that asked. What a worker cannot write travels to
+that process.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed, wait
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from typing import Any, NamedTuple
+
+import xarray as xr
+
+from .plan import Index, Task
+from .store import Place, write
+
+# Seconds that a scheduler has to answer, and to have a first worker.
+ANSWER, WORKER = 30.0, 30.0
+
+# Seconds that chunks under way have to be finished after an interrupt.
+PATIENCE = 1.0
+
+Finish = Callable[[Sequence[Index]], None]
+Compute = Callable[[Mapping[Index, Task], Place, Finish], None]
+
+
+class Unwritten(NamedTuple):
+    """Metrics that a worker could not write, and why."""
+
+    worker: str
+    reason: str
+    metrics: xr.Dataset
+
+
+def computing(scheduler: str | None) -> AbstractContextManager[Compute]:
+    """What computes and writes chunks, and says which are written."""
+    return nullcontext(_on_threads) if scheduler is None else _on_cluster(scheduler)
+
+
+def _on_threads(tasks: Mapping[Index, Task], place: Place, finish: Finish) -> None:
+    """A failure waits for the chunks under way, an interrupt not for long."""
+
+    def run(task: Task) -> None:
+        write(place, task.region, task.metrics())
+
+    pool = ThreadPoolExecutor(os.cpu_count())
+    futures = {pool.submit(run, task): index for index, task in tasks.items()}
+    try:
+        for future in as_completed(futures):
+            future.result()
+            finish([futures[future]])
+    except KeyboardInterrupt:
+        pool.shutdown(wait=False, cancel_futures=True)
+        wait(futures, timeout=PATIENCE)
+        raise
+    except BaseException:
+        pool.shutdown(cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
+def on_worker(task: Task, place: Place) -> Unwritten | None:
+    """Compute a chunk and write it, or return what could not be written."""
+    from distributed import get_worker
+
+    metrics = task.metrics()
+    try:
+        write(place, task.region, metrics)
+    except OSError as error:
+        return Unwritten(get_worker().address, str(error.strerror or error), metrics)
+    return None
+
+
+@contextmanager
+def _on_cluster(scheduler: str) -> Iterator[Compute]:
+    from distributed import Client, KilledWorker
+
+    try:
+        client = Client(scheduler, timeout=ANSWER)
+    except (OSError, ValueError) as error:
+        raise ConnectionError(
+            f"no Dask scheduler answers at {scheduler!r} within {ANSWER:g} s; start one with: dask scheduler"
+        ) from error
+
+    def compute(tasks: Mapping[Index, Task], place: Place, finish: Finish) -> None:
+        futures = {client.submit(on_worker, task, place, pure=False): index for index, task in tasks.items()}
+        try:
+            _receive(futures, tasks, place, finish)
+        except CancelledError as error:
+            raise ConnectionError(f"the Dask scheduler at {scheduler} is lost") from error
+        except KilledWorker as error:
+            raise ConnectionError(f"the workers of the Dask scheduler at {scheduler} died: {error}") from error
+
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=WORKER)
+        except TimeoutError as error:
+            raise ConnectionError(
+                f"the Dask scheduler at {scheduler} has no worker; start one with: dask worker {scheduler}"
+            ) from error
+        yield compute
+
+
+def _receive(futures: Mapping[Any, Index], tasks: Mapping[Index, Task], place: Place, finish: Finish) -> None:
+    """Mark chunks as they come, many at once when they come faster than marks are written."""
+    from distributed import as_completed as as_answered
+
+    said = False
+    for batch in as_answered(futures).batches():
+        written = []
+        try:
+            for future in batch:
+                unwritten = future.result()
+                if unwritten is not None:
+                    if not said:
+                        warnings.warn(_travels(place, unwritten), stacklevel=2)
+                        said = True
+                    write(place, tasks[futures[future]].region, unwritten.metrics)
+                written.append(futures[future])
+                future.release()
+        finally:
+            if written:
+                finish(written)
+
+
+def _travels(place: Place, unwritten: Unwritten) -> str:
+    return (
+        f"store {place.store}: the worker at {unwritten.worker} cannot write there ({unwritten.reason}); "
+        "what workers cannot write travels through this process"
+    )
