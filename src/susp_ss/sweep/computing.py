@@ -51,18 +51,23 @@ def _on_threads(tasks: Mapping[Index, Task], place: Place, finish: Finish) -> No
         write(place, task.region, task.metrics())
 
     pool = ThreadPoolExecutor(os.cpu_count())
-    futures = {pool.submit(run, task): index for index, task in tasks.items()}
+    unmarked = {pool.submit(run, task): index for index, task in tasks.items()}
     try:
-        for future in as_completed(futures):
+        for future in as_completed(list(unmarked)):
             future.result()
-            finish([futures[future]])
+            finish([unmarked.pop(future)])
     except KeyboardInterrupt:
         pool.shutdown(wait=False, cancel_futures=True)
-        wait(futures, timeout=PATIENCE)
+        wait(unmarked, timeout=PATIENCE)
         raise
     except BaseException:
         pool.shutdown(cancel_futures=True)
         raise
+    finally:
+        ended = [(future, index) for future, index in unmarked.items() if future.done() and not future.cancelled()]
+        written = [index for future, index in ended if future.exception() is None]
+        if written:
+            finish(written)
     pool.shutdown()
 
 

@@ -54,7 +54,7 @@ def located(store: str | PathLike[str]) -> str:
     import fsspec
 
     if text.startswith("s3://"):
-        with needing("s3", f"store {text}:"):
+        with needing("s3", f"store {text}"):
             import s3fs  # noqa: F401
     try:
         fsspec.get_filesystem_class(text.partition("://")[0])
@@ -184,11 +184,12 @@ def running(store: str) -> Iterator[Place]:
 
 
 def write(place: Place, region: Region, metrics: xr.Dataset) -> None:
-    """Write the metrics of a chunk, whose shards nothing else writes."""
+    """Write the metrics of a chunk, whose shards nothing else writes, into the store that is there before and after."""
     with _reaching():
         _check(place)
         for name, data in metrics.items():
             _array(place, str(name))[tuple(region.values())] = data.values
+        _check(place)
 
 
 def mark(place: Place, done: NDArray[np.bool_]) -> None:
