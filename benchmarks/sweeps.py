@@ -162,9 +162,10 @@ def stored(found, spent, client):
         "",
         *rows(["", "designs a second", "ratio", "µs of a processor a design"], body),
         "",
-        f"A chunk of up to {chunk:,} designs costs the client {digits(1e3 * client, 2)} ms of a processor, so that "
-        f"one client keeps up with {digits(chunk / client / 1e6, 2)} million designs a second. On paper, {MACHINES} "
-        f"such machines compute {digits(MACHINES * middle['cluster'] / 1e6, 2)} million a second, and write "
+        f"A chunk of up to {chunk:,} designs costs the client and Dask's scheduler {digits(1e3 * client, 2)} ms of a "
+        "processor where chunks come one by one (they are received together where they come faster), so that one "
+        f"client keeps up with {digits(chunk / client / 1e6, 2)} million designs a second or more. On paper, "
+        f"{MACHINES} such machines compute {digits(MACHINES * middle['cluster'] / 1e6, 2)} million a second, and write "
         f"{digits(MACHINES * middle['cluster'] * every / 1e9, 2)} GB/s of double precision before compression, which "
         "the store has to take.",
         "",

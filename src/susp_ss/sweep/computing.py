@@ -27,6 +27,9 @@ ANSWER, WORKER = 30.0, 30.0
 # Seconds that chunks under way have to be finished after an interrupt.
 PATIENCE = 1.0
 
+# Chunks that are received together: some 300 MB where workers cannot write.
+MOST_AT_ONCE = 16
+
 Finish = Callable[[Sequence[Index]], None]
 Compute = Callable[[Mapping[Index, Task], Place, Finish], None]
 
@@ -111,7 +114,7 @@ def _on_cluster(scheduler: str) -> Iterator[Compute]:
     def compute(tasks: Mapping[Index, Task], place: Place, finish: Finish) -> None:
         futures = {client.submit(on_worker, task, place, pure=False): index for index, task in tasks.items()}
         try:
-            _receive(futures, tasks, place, finish)
+            _receive(client, futures, tasks, place, finish)
         except CancelledError as error:
             raise ConnectionError(f"the Dask scheduler at {scheduler} is lost") from error
         except KilledWorker as error:
@@ -127,26 +130,26 @@ def _on_cluster(scheduler: str) -> Iterator[Compute]:
         yield compute
 
 
-def _receive(futures: Mapping[Any, Index], tasks: Mapping[Index, Task], place: Place, finish: Finish) -> None:
-    """Mark chunks as they come, many at once when they come faster than marks are written."""
+def _receive(
+    client: Any, futures: Mapping[Any, Index], tasks: Mapping[Index, Task], place: Place, finish: Finish
+) -> None:
+    """Mark chunks as they come, several at once when they come faster than marks are written."""
     from distributed import as_completed as as_answered
 
     said = False
     for batch in as_answered(futures).batches():
-        written = []
-        try:
-            for future in batch:
-                unwritten = future.result()
+        for first in range(0, len(batch), MOST_AT_ONCE):
+            some = batch[first : first + MOST_AT_ONCE]
+            indices = [futures[future] for future in some]
+            for index, unwritten in zip(indices, client.gather(some), strict=True):
                 if unwritten is not None:
                     if not said:
                         warnings.warn(_travels(place, unwritten), stacklevel=2)
                         said = True
-                    write(place, tasks[futures[future]].region, unwritten.metrics)
-                written.append(futures[future])
+                    write(place, tasks[index].region, unwritten.metrics)
+            finish(indices)
+            for future in some:
                 future.release()
-        finally:
-            if written:
-                finish(written)
 
 
 def _travels(place: Place, unwritten: Unwritten) -> str:
