@@ -144,6 +144,16 @@ def test_a_store_that_goes_away_for_a_while(cluster, tmp_path, undisturbed, at_m
     assert files(store) == undisturbed(CAR, SPRINGS)
 
 
+def test_a_lost_scheduler(store, undisturbed, at_mark):
+    """What was marked before stays, and this machine goes on alone."""
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0") as lost:
+        at_mark(2, lost.close)
+        with pytest.raises(OSError, match=r"the Dask scheduler at tcp://.* is lost; \d+ of 50 chunks are unfinished"):
+            sweep(CAR, ROAD, SPRINGS, store, scheduler=lost.scheduler_address)
+    assert 1 <= sweep(CAR, ROAD, SPRINGS, store).found < 50
+    assert files(store) == undisturbed(CAR, SPRINGS)
+
+
 def test_refused_design_on_a_cluster(cluster, store):
     with pytest.raises(ValueError, match=r"cs > 0 at every corner at \(ks=\d+.*, cs=0.0\)"):
         sweep(ss.QuarterCar(), ROAD, {**AXES, "cs": [1e3, 0.0]}, store, scheduler=cluster.scheduler_address)
@@ -297,3 +307,8 @@ def test_unknown_kind_of_store(run):
     assert code == 2
     assert err.startswith("susp-ss: error: store nowhere://designs/out.zarr: ")
     assert err.count("\n") == 1
+
+
+def test_a_folder_as_a_url(store, undisturbed):
+    sweep(ss.QuarterCar(), ROAD, AXES, f"file://{store}")
+    assert files(store) == undisturbed()
