@@ -51,6 +51,7 @@ docs: .venv/installed-docs
 bench: .venv/installed-test
 	$(BIN)/python benchmarks/ride_metrics.py
 	$(BIN)/python benchmarks/surrogates.py
+	$(BIN)/python benchmarks/sweeps.py
 
 .venv/installed: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv

@@ -17,6 +17,7 @@ EXTRAS = {
     "netcdf": (("netCDF4",), "runs in NetCDF 4 files"),
     "parquet": (("pyarrow",), "runs in Parquet files"),
     "distributed": (("dask", "distributed", "zarr"), "susp-ss sweep: grids of any size, on any number of machines"),
+    "s3": (("s3fs",), "sweeps into object stores, s3://bucket/out.zarr"),
 }
 """Modules of each extra, and what it is for."""
 

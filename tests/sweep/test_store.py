@@ -4,54 +4,21 @@ import dataclasses
 import json
 import os
 import signal
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 import xarray as xr
 import zarr
-from distributed import LocalCluster
+from disturbed import AXES, CHUNKS, LINE, ROAD, files, process, raising, stopped_by, stopping
 
 import susp_ss as ss
 import susp_ss.progress
+import susp_ss.sweep.plan
 import susp_ss.sweep.store
 from susp_ss.extras import installation
 from susp_ss.sweep import Swept, sweep
 from susp_ss.vehicles.files import models
-
-ROAD = ss.DEFAULT_ROAD
-AXES = {"ks": np.linspace(12e3, 25e3, 8), "cs": np.linspace(800.0, 2200.0, 5)}
-
-# Of the eight springs two fit into a chunk.
-CHUNKS = 4
-
-
-@pytest.fixture(autouse=True)
-def few_designs(monkeypatch):
-    """Chunks small enough for tests."""
-    monkeypatch.setitem(susp_ss.sweep.store.MOST_DESIGNS, "covariance", 12)
-
-
-@pytest.fixture
-def store(tmp_path):
-    return tmp_path / "out.zarr"
-
-
-def files(store):
-    """Every file of a store and what it holds."""
-    return {str(path.relative_to(store)): path.read_bytes() for path in store.rglob("*") if path.is_file()}
-
-
-@pytest.fixture
-def undisturbed(tmp_path):
-    """The files of a sweep that nothing disturbs."""
-
-    def swept(vehicle=ss.QuarterCar(), axes=AXES):  # noqa: B008
-        sweep(vehicle, ROAD, axes, tmp_path / "undisturbed.zarr")
-        return files(tmp_path / "undisturbed.zarr")
-
-    return swept
 
 
 def expected(vehicle, axes, **options):
@@ -70,7 +37,6 @@ def same(opened, wanted):
     for name, data in wanted.variables.items():
         assert (opened[name].dims, opened[name].attrs) == (data.dims, data.attrs)
         assert name in ("point", "corner") or opened[name].dtype == np.float64
-    assert opened.attrs == wanted.attrs
 
 
 @pytest.mark.parametrize("model", models())
@@ -98,6 +64,39 @@ def test_another_method(store):
     same(xr.open_zarr(store), expected(ss.QuarterCar(), axes, method="spectral"))
 
 
+def test_outputs_and_dtype(run, store, tmp_path):
+    line = ["--model", "full", *LINE[2:], store, "--outputs", "bacc@cg,sws, dtl@rl", "--dtype", "float32"]
+    assert run("sweep", *line)[0] == 0
+    opened, every = xr.open_zarr(store), expected(ss.FullCar(), AXES)
+    wanted = {"bacc_cg": every.bacc.sel(point="cg"), "sws": every.sws, "dtl_rl": every.dtl.sel(corner="rl")}
+    assert set(opened.data_vars) == set(wanted)
+    for name, data in wanted.items():
+        assert opened[name].dtype == np.float32
+        assert opened[name].attrs["units"] == data.attrs["units"]
+        np.testing.assert_array_equal(opened[name], data.astype(np.float32))
+    assert opened.dtl_rl.attrs["long_name"] == f"{every.dtl.attrs['long_name']} at rl"
+    assert set(opened.coords) == {"ks", "cs", "corner"}
+
+
+def test_a_store_says_what_it_holds(store):
+    sweep(ss.FullCar(mb=1300.0), ROAD, AXES, store, outputs=["sws"])
+    attrs = xr.open_zarr(store).attrs
+    assert attrs["susp_ss"] == ss.__version__
+    assert (attrs["model"], attrs["parameter mb"]) == ("full", "value 1300.0, unit kg")
+    assert (attrs["road speed"], attrs["road tracks"]) == ("20.0", "isotropic")
+    assert (attrs["method"], attrs["outputs"], attrs["dtype"]) == ("covariance", "sws", "float64")
+    assert attrs["axes"] == "ks, cs"
+    assert zarr.open_array(store, path="sweep/done", mode="r")[...].all()
+
+
+def test_a_chunk_of_designs_is_a_file_and_a_place_can_be_read_alone(store):
+    sweep(ss.FullCar(), ROAD, AXES, store)
+    sws = zarr.open_array(store, path="sws", mode="r")
+    assert (sws.chunks, sws.shards) == ((2, 5, 1), (2, 5, 4))
+    assert sum(path.is_file() for path in (store / "sws" / "c").rglob("*")) == CHUNKS
+    assert sum(path.is_file() for path in (store / "sweep" / "done" / "c").rglob("*")) == 1
+
+
 @pytest.mark.parametrize(
     ("sizes", "most", "chunk"),
     [
@@ -108,13 +107,13 @@ def test_another_method(store):
     ],
 )
 def test_chunks_are_even(sizes, most, chunk):
-    assert susp_ss.sweep.store._chunk(sizes, most) == chunk
+    assert susp_ss.sweep.plan.chunks(sizes, most) == chunk
 
 
 def test_regions_cover_every_design_once():
     sizes, chunk = {"ks": 7, "mu": 5, "cs": 4}, {"ks": 2, "mu": 3, "cs": 4}
     times = xr.DataArray(np.zeros(tuple(sizes.values())), dims=tuple(sizes))
-    for region in susp_ss.sweep.store._regions(sizes, chunk).values():
+    for region in susp_ss.sweep.plan.regions(sizes, chunk).values():
         times[region] += 1.0
     assert (times == 1.0).all()
 
@@ -126,48 +125,24 @@ class Stop(Exception):
     pass
 
 
-def stopping(patch, stop, n, after=()):
-    """Stop at the n-th chunk, when only the metrics named in ``after`` are written of it."""
-    write, chunks = susp_ss.sweep.store._write, []
-
-    def failing(path, region, metrics):
-        chunks.append(region)
-        if len(chunks) < n:
-            write(path, region, metrics)
-        else:
-            if after:
-                write(path, region, metrics[list(after)])
-            stop()
-
-    patch.setattr(susp_ss.sweep.store, "_write", failing)
-
-
-def raising(error):
-    def stop():
-        raise error
-
-    return stop
-
-
 PARTS = {"before it": (), "in its midst": ("bacc", "sws"), "before its mark": ("bacc", "sws", "dtl", "damper_power")}
 
 
 @pytest.mark.parametrize("after", PARTS.values(), ids=PARTS.keys())
 def test_only_unfinished_chunks_are_computed_again(after, store, undisturbed, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr("dask.system.CPU_COUNT", 1)
         stopping(patch, raising(Stop()), 3, after)
         with pytest.raises(Stop):
             sweep(ss.QuarterCar(), ROAD, AXES, store)
     assert zarr.open_group(store, path="sweep", mode="r")["done"][...].sum() == 2
-    metrics, sizes = susp_ss.sweep.store.block_metrics, []
+    metrics, sizes = susp_ss.sweep.plan.block_metrics, []
 
     def counted(block, *rest):
         sizes.append(block.sizes["ks"] * block.sizes["cs"])
         return metrics(block, *rest)
 
     with monkeypatch.context() as patch:
-        patch.setattr(susp_ss.sweep.store, "block_metrics", counted)
+        patch.setattr(susp_ss.sweep.plan, "block_metrics", counted)
         assert sweep(ss.QuarterCar(), ROAD, AXES, store) == Swept(designs=40, chunks=CHUNKS, found=2, computed=20)
         assert sizes == [10, 10]
         assert sweep(ss.QuarterCar(), ROAD, AXES, store) == Swept(designs=40, chunks=CHUNKS, found=4, computed=0)
@@ -175,48 +150,14 @@ def test_only_unfinished_chunks_are_computed_again(after, store, undisturbed, mo
     assert files(store) == undisturbed()
 
 
-def process(program, *arguments):
-    """Run the command in a process of its own, after a program and with chunks as small as here."""
-    preamble = (
-        "import os, resource, signal, sys, susp_ss.sweep.store\n"
-        # A shell that runs the tests in the background has its children ignore interrupts.
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "from susp_ss.cli import main\n"
-        "susp_ss.sweep.store.MOST_DESIGNS['covariance'] = 12\n"
-    )
-    command = [sys.executable, "-c", preamble + program + "main(sys.argv[1:])", "sweep", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True)
-
-
-def stopped_by(stop, n, after=()):
-    """The program that sends a signal to its own process as `stopping` stops."""
-    return (
-        "write, chunks = susp_ss.sweep.store._write, []\n"
-        "def failing(path, region, metrics):\n"
-        "    chunks.append(region)\n"
-        f"    if len(chunks) != {n}:\n"
-        "        return write(path, region, metrics)\n"
-        f"    if {after}:\n"
-        f"        write(path, region, metrics[list({after})])\n"
-        f"    os.kill(os.getpid(), {int(stop)})\n"
-        "    write(path, region, metrics)\n"
-        "susp_ss.sweep.store._write = failing\n"
-    )
-
-
-LINE = ["--model", "quarter", "--ks", "12e3:25e3:8", "--cs", "800:2200:5", "--store"]
-
-
 @pytest.mark.parametrize("after", list(PARTS.values())[1:], ids=list(PARTS)[1:])
 def test_killed_process(after, store, undisturbed):
     assert process(stopped_by(signal.SIGKILL, 3, after), *LINE, store).returncode == -signal.SIGKILL
-    assert 1 <= zarr.open_group(store, path="sweep", mode="r")["done"][...].sum() <= 3
+    assert zarr.open_group(store, path="sweep", mode="r")["done"][...].sum() <= 3
     resumed = process("", *LINE, store)
     assert resumed.returncode == 0
     assert "40 designs in 4 chunks" in resumed.stderr
-    assert "0 of them" not in resumed.stderr
-    left = [name for name in files(store) if name.endswith(".partial")]
-    assert {name: held for name, held in files(store).items() if name not in left} == undisturbed()
+    assert files(store) == undisturbed()
 
 
 def test_killed_while_the_store_is_laid_out(store, undisturbed):
@@ -234,18 +175,18 @@ def test_interrupted(store, undisturbed):
     assert line.startswith(f"susp-ss: stopped: store {store}: ")
     assert "of 4 chunks are unfinished; run the same sweep again to resume" in line
     assert process("", *LINE, store).returncode == 0
-    left = [name for name in files(store) if name.endswith(".partial")]
-    assert {name: held for name, held in files(store).items() if name not in left} == undisturbed()
+    assert files(store) == undisturbed()
 
 
 def test_a_disk_that_takes_no_more(store, undisturbed):
     """Files of at most 60 bytes, once the store is laid out: no chunk fits in."""
     limit = (
-        "lay_out = susp_ss.sweep.store._lay_out\n"
+        "import susp_ss.sweep.run\n"
+        "lay_out = susp_ss.sweep.run.lay_out\n"
         "def limited(*arguments):\n"
         "    lay_out(*arguments)\n"
         "    resource.setrlimit(resource.RLIMIT_FSIZE, (60, 60))\n"
-        "susp_ss.sweep.store._lay_out = limited\n"
+        "susp_ss.sweep.run.lay_out = limited\n"
     )
     full = process(limit, *LINE, store)
     assert full.returncode == 2
@@ -260,7 +201,6 @@ def test_a_disk_that_takes_no_more(store, undisturbed):
 @pytest.mark.parametrize("n", [1, 2, 4])
 def test_a_disk_that_fills_up(n, store, undisturbed, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr("dask.system.CPU_COUNT", 1)
         stopping(patch, raising(OSError(28, "No space left on device")), n, ["bacc"])
         said = f"out.zarr: No space left on device; {CHUNKS + 1 - n} of {CHUNKS} chunks are unfinished; .* to resume"
         with pytest.raises(OSError, match=said):
@@ -276,115 +216,53 @@ def test_a_folder_that_may_not_be_written(tmp_path):
         sweep(ss.QuarterCar(), ROAD, AXES, tmp_path / "out.zarr")
 
 
-# --- On a cluster -----------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def cluster():
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as running:
-        yield running
-
-
-def test_cluster_equals_threads(cluster, store, undisturbed):
-    axes = {**AXES, "mu": [40.0, 50.0]}
-    assert sweep(ss.QuarterCar(), ROAD, axes, store, scheduler=cluster.scheduler_address).computed == 80
-    assert files(store) == undisturbed(axes=axes)
-
-
-def test_killed_worker(cluster, store, undisturbed, monkeypatch):
-    """A worker dies as the second chunk comes in, and with it what it had computed."""
-    car, axes = ss.FullCar(kt=ss.Corners(fr=18e4, fl=19e4, rr=2e5, rl=21e4)), {"ks": np.linspace(12e3, 25e3, 600)}
-    before = {worker.pid for worker in cluster.workers.values()}
-    write, chunks = susp_ss.sweep.store._write, []
-
-    def killing(path, region, metrics):
-        chunks.append(region)
-        if len(chunks) == 2:
-            os.kill(min(before), signal.SIGKILL)
-        write(path, region, metrics)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(susp_ss.sweep.store, "_write", killing)
-        assert sweep(car, ROAD, axes, store, scheduler=cluster.scheduler_address).computed == 600
-    assert len(chunks) == 50
-    assert len({region["ks"].start for region in chunks}) == 50
-    assert files(store) == undisturbed(car, axes)
-
-
-def test_killed_process_of_a_cluster(cluster, store, undisturbed):
-    line = [*LINE, store, "--scheduler", cluster.scheduler_address]
-    assert process(stopped_by(signal.SIGKILL, 3, ("bacc",)), *line).returncode == -signal.SIGKILL
-    resumed = process("", *line)
-    assert resumed.returncode == 0
-    assert "40 designs in 4 chunks, 2 of them finished before; 20 designs computed" in resumed.stderr
-    assert files(store) == undisturbed()
-
-
-def test_refused_design_on_a_cluster(cluster, store):
-    with pytest.raises(ValueError, match=r"cs > 0 at every corner at \(ks=\d+.*, cs=0.0\)"):
-        sweep(ss.QuarterCar(), ROAD, {**AXES, "cs": [1e3, 0.0]}, store, scheduler=cluster.scheduler_address)
-    assert zarr.open_group(store, path="sweep", mode="r")["done"][...].sum() == 0
-
-
-def test_unreachable_scheduler(store, run, monkeypatch):
-    monkeypatch.setattr(susp_ss.sweep.store, "ANSWER", 1.0)
-    code, _, err = run("sweep", *LINE, store, "--scheduler", "tcp://127.0.0.1:9")
-    assert code == 2
-    assert err.splitlines()[-1] == (
-        "susp-ss: error: no Dask scheduler answers at 'tcp://127.0.0.1:9' within 1 s; start one with: dask scheduler"
-    )
-    assert not store.exists()
-
-
-def test_scheduler_without_workers(store, monkeypatch):
-    monkeypatch.setattr(susp_ss.sweep.store, "WORKER", 0.2)
-    with (
-        LocalCluster(n_workers=0, dashboard_address=":0") as idle,
-        pytest.raises(ConnectionError, match="has no worker; start one with: dask worker tcp://"),
-    ):
-        sweep(ss.QuarterCar(), ROAD, AXES, store, scheduler=idle.scheduler_address)
-    assert not store.exists()
-
-
 # --- What is refused --------------------------------------------------------------------------------------------------
 
 
 OTHERS = {
-    "model": ((ss.RigidTyreQuarterCar(), ROAD, AXES), "model is quarter there and rigid-tyre here"),
-    "parameter": ((ss.QuarterCar(mu=50.0), ROAD, AXES), "parameter mu is .*45.4.* there and .*50.0.* here"),
-    "road": ((ss.QuarterCar(), ss.Road(speed=30.0), AXES), "road speed is 20.0 there and 30.0 here"),
-    "wheels": ((ss.QuarterCar(), ss.Road(delay=False), AXES), "road delay is True there and False here"),
+    "model": ((ss.RigidTyreQuarterCar(), ROAD, AXES, {}), "model is quarter there and rigid-tyre here"),
+    "parameter": ((ss.QuarterCar(mu=50.0), ROAD, AXES, {}), "parameter mu is .*45.4.* there and .*50.0.* here"),
+    "road": ((ss.QuarterCar(), ss.Road(speed=30.0), AXES, {}), "road speed is 20.0 there and 30.0 here"),
+    "wheels": ((ss.QuarterCar(), ss.Road(delay=False), AXES, {}), "road delay is True there and False here"),
     "nodes": (
-        (ss.QuarterCar(), ROAD, {**AXES, "cs": [1e3, 2e3]}),
+        (ss.QuarterCar(), ROAD, {**AXES, "cs": [1e3, 2e3]}, {}),
         "axis cs is 5 nodes from 800.0 to 2200.0 .* there and 2 nodes from 1000.0 to 2000.0",
     ),
-    "a node": ((ss.QuarterCar(), ROAD, {**AXES, "cs": AXES["cs"] ** 1.0 + [0, 1, 0, 0, 0]}), "axis cs is 5 nodes"),
-    "order": ((ss.QuarterCar(), ROAD, dict(reversed(AXES.items()))), "axes is ks, cs there and cs, ks here"),
-    "method": ((ss.QuarterCar(), ROAD, AXES, "spectral"), "method is covariance there and spectral here"),
+    "a node": ((ss.QuarterCar(), ROAD, {**AXES, "cs": AXES["cs"] ** 1.0 + [0, 1, 0, 0, 0]}, {}), "axis cs is 5 nodes"),
+    "order": ((ss.QuarterCar(), ROAD, dict(reversed(AXES.items())), {}), "axes is ks, cs there and cs, ks here"),
+    "method": ((ss.QuarterCar(), ROAD, AXES, {"method": "spectral"}), "method is covariance there and spectral here"),
+    "outputs": (
+        (ss.QuarterCar(), ROAD, AXES, {"outputs": ["sws"]}),
+        "outputs is bacc, sws, dtl, damper_power there and sws here",
+    ),
+    "dtype": (
+        (ss.QuarterCar(), ROAD, AXES, {"dtype": "float32"}),
+        "dtype is float64 there and float32 here",
+    ),
 }
 
 
 @pytest.mark.parametrize(("other", "said"), OTHERS.values(), ids=OTHERS.keys())
 def test_a_store_of_another_sweep(other, said, store):
-    car, road, axes, *method = other
+    car, road, axes, how = other
     sweep(ss.QuarterCar(), ROAD, AXES, store)
     before = files(store)
     with pytest.raises(ValueError, match=f"out.zarr is of another sweep: .*{said}"):
-        sweep(car, road, axes, store, *method)
+        sweep(car, road, axes, store, **how)
     assert files(store) == before
 
 
 def test_a_store_of_another_version(store, monkeypatch):
     sweep(ss.QuarterCar(), ROAD, AXES, store)
     with monkeypatch.context() as patch:
-        patch.setattr(susp_ss.sweep.store, "__version__", "9.0")
+        patch.setattr(susp_ss.sweep.plan, "__version__", "9.0")
         with pytest.raises(ValueError, match=r"susp_ss is 0.1.0 there and 9.0 here"):
             sweep(ss.QuarterCar(), ROAD, AXES, store)
     path = store / "sweep" / "zarr.json"
     held = json.loads(path.read_text())
-    held["attributes"] |= {"store version": 2, "susp_ss": "9.0"}
+    held["attributes"] |= {"store version": 3, "susp_ss": "9.0"}
     path.write_text(json.dumps(held))
-    with pytest.raises(ValueError, match=r"has version 2, and this susp_ss .* reads version 1; use the susp_ss 9.0"):
+    with pytest.raises(ValueError, match=r"has version 3, and this susp_ss .* reads version 2; use the susp_ss 9.0"):
         sweep(ss.QuarterCar(), ROAD, AXES, store)
 
 
@@ -413,6 +291,24 @@ WRONG = {
     "method": ((ss.QuarterCar(), ROAD, AXES, "time"), "method of a sweep must be one of covariance, spectral"),
     "no vehicle": (("full", ROAD, AXES), "vehicle must be"),
 }
+
+
+KEPT = {
+    "unknown": ({"outputs": ["bacc", "jerk"]}, "outputs: no metric named 'jerk', available: bacc, sws, dtl"),
+    "no place": ({"outputs": ["sws@front"]}, "outputs: sws has no corner named 'front', available: fr, fl, rr, rl"),
+    "one place": ({"outputs": ["pitch_acc@cg"]}, "outputs: pitch_acc has one place only, .*; pass pitch_acc"),
+    "twice": ({"outputs": ["sws", "sws"]}, "outputs must be different names, got sws, sws"),
+    "text": ({"outputs": "sws"}, r'outputs must be names such as \("bacc@fr", "sws"\)'),
+    "nothing": ({"outputs": []}, "outputs must be names such as"),
+    "dtype": ({"dtype": "float16"}, "dtype of a sweep must be one of float64, float32, got 'float16'"),
+}
+
+
+@pytest.mark.parametrize(("how", "said"), KEPT.values(), ids=KEPT.keys())
+def test_what_to_keep_is_refused_before_anything_is_written(how, said, store):
+    with pytest.raises(ValueError, match=said):
+        sweep(ss.FullCar(), ROAD, AXES, store, **how)
+    assert list(store.parent.iterdir()) == []
 
 
 @pytest.mark.parametrize(("arguments", "said"), WRONG.values(), ids=WRONG.keys())
@@ -497,7 +393,7 @@ REFUSED = {
     "no equals": ("--more mb", "--more must be PARAM=LO:HI:N", "'mb'"),
     "twice": ("--ks 1e4:2e4:3 --more ks=1e4:2e4:3", "--more ks: ks is given twice"),
     "negative": ("--ks=-1e4:2e4:3", "--ks must be > 0 N/m, got -10000.0"),
-    "a file": ("--ks 1e4:2e4:3 --store bad", "store bad exists and is not a store of a sweep"),
+    "a file": ("--ks 1e4:2e4:3 --store bad", "bad exists and is not a store of a sweep"),
     "in a file": ("--ks 1e4:2e4:3 --store bad/out", "bad"),
     "unknown method": ("--ks 1e4:2e4:3 --method time", "covariance, spectral"),
 }

@@ -85,9 +85,13 @@ def vehicle_options(
                 raise Refusal(f"--more {name}: {name} is given twice")
         texts = {name: (flag(name), text) for name, text in given.items() if text is not None}
         texts |= {name: (f"--more {name}", text) for name, _, text in more}
-        for name, (where, _) in texts.items():
-            _refuse_unknown(car, name, where)
-        of = {name: car.quantities()[car.settings()[name][0]] for name in texts}
+        of = {name: ROAD[name] for name, *_ in more if name in ROAD}
+        for name, (where, text) in texts.items():
+            if name in of and ":" not in text:
+                raise Refusal(f"{where} must be LO:HI:N; one value is {flag(name)} {text}")
+            if name not in of:
+                _refuse_unknown(car, name, where)
+                of[name] = car.quantities()[car.settings()[name][0]]
         axes = {
             name: nodes(where, text, of[name], trust_units)
             for name, (where, text) in texts.items()
@@ -147,7 +151,8 @@ More = Annotated[
     list[str] | None,
     typer.Option(
         metavar="PARAM=LO:HI:N",
-        help="Values of a parameter, as its own option takes them; may be repeated.",
+        help="Values of a parameter, as its own option takes them, or of speed, roughness or cutoff of the road; may be "
+        "repeated.",
         show_default=False,
     ),
 ]

@@ -3,12 +3,11 @@
 import logging
 import os
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .options import built_from, road_from_options, vehicle_options
+from .options import built_from, names, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -22,15 +21,27 @@ if TYPE_CHECKING:
 def run(
     designs: "tuple[Vehicle, dict[str, NDArray]]",
     road: "Road",
-    store: Annotated[Path, typer.Option(metavar="FOLDER", help="Zarr store to write, or to resume.")],
+    store: Annotated[
+        str, typer.Option(metavar="FOLDER", help="Zarr store to write, or to resume; or a URL, s3://bucket/out.zarr.")
+    ],
     method: Annotated[
         str, typer.Option(metavar="NAME", help="covariance: exact; spectral: an integral over frequency.")
     ] = "covariance",
+    outputs: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,...",
+            help="Metrics to keep, such as bacc@fr,sws: at every place, or at one, as bacc_fr.",
+            show_default="all",
+        ),
+    ] = None,
+    dtype: Annotated[str, typer.Option(metavar="NAME", help="Of what is stored: float64 or float32.")] = "float64",
     scheduler: Annotated[
         str | None,
         typer.Option(
             metavar="ADDRESS",
-            help="Dask scheduler whose workers compute, such as tcp://10.0.0.1:8786.",
+            help="Dask scheduler whose workers compute, and write where they reach the store, such as "
+            "tcp://10.0.0.1:8786.",
             show_default="the threads of this machine",
         ),
     ] = None,
@@ -41,8 +52,9 @@ def run(
     --ks-rear 12N/mm:24N/mm:100. The store opens as one labelled dataset,
     xarray.open_zarr("FOLDER"), with the units of susp-ss metrics:
     bacc (m/s^2), sws (m), dtl (N), pitch_acc and roll_acc (rad/s^2),
-    damper_power (W); what is not finished yet is NaN. The same command again
-    goes on where this one stopped.
+    damper_power (W), and with attributes that say of which vehicle and road;
+    what is not finished yet is NaN. The same command again goes on where this
+    one stopped.
     """
     vehicle, axes = designs
     if not axes:
@@ -53,9 +65,10 @@ def run(
     with refusals():
         from ..sweep import sweep
 
+        kept: Any = {"outputs": None if outputs is None else names([outputs]), "dtype": dtype}
         how: Any = {"method": method, "scheduler": scheduler, "progress": True}
         try:
-            done = sweep(vehicle, road, axes, store, **how)
+            done = sweep(vehicle, road, axes, store, **how, **kept)
         except KeyboardInterrupt as stopped:
             typer.echo(f"susp-ss: stopped: {stopped}" if stopped.args else "susp-ss: stopped", err=True)
             # Threads are left in the middle of chunks, which are not marked as finished: nothing waits for them.

@@ -1,5 +1,5 @@
 """Grids of designs past one machine."""
 
-from .store import Swept, sweep
+from .run import Swept, sweep
 
 __all__ = ["Swept", "sweep"]

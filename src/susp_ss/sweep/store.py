@@ -1,300 +1,162 @@
-"""Sweeps of any size: ride metrics over a grid of designs, a chunk at a time, into a Zarr store that can be resumed.
+"""The Zarr store of a sweep: laid out full of NaN, written a chunk at a time by whoever computed it, and marked.
 
-The store is laid out first, full of NaN, and appears under its name complete. Then chunks of designs are computed, on
-the threads of this machine or the workers of a Dask cluster, and each is written to Zarr chunks of its own, by this
-process alone. Last, the chunk is marked as finished: whatever dies before that leaves a chunk that the next run
-computes again, so that nothing is lost or doubled. The marks, and what was asked, are in the store's group ``sweep``.
+The root's attributes say what the store holds, and so decide whether it is of the sweep that is asked for. The group
+``sweep`` has the array ``done``, a mark for each chunk of designs, which is set after the chunk is written: whatever
+dies before that leaves a chunk that the next run computes again, so that nothing is lost or doubled. While a run lasts,
+an attribute of the group names it: a worker writes only where it finds that name, for a folder of the same name on
+another machine is another store.
+
+A chunk of designs is one Zarr shard of each metric, hence one file, within which every place is a Zarr chunk: one
+corner is read without the others.
 """
 
 from __future__ import annotations
 
-import dataclasses
-import hashlib
-import importlib
-import itertools
 import math
 import os
 import tempfile
+import uuid
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed, wait
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from functools import lru_cache
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
 from .. import __version__
 from ..extras import needing
-from ..metrics.blocks import block_metrics, taken_apart
-from ..progress import progress as progress_of
-from ..quantities import briefly
-from ..responses.excitation import check_kinds
-from ..roads.road import Road
-from ..vehicles.files import entry, model_name
-from ..vehicles.vehicle import Vehicle
+from .plan import Plan, Region
 
-STORE_VERSION, GROUP = 1, "sweep"
+STORE_VERSION, GROUP, RUN, METADATA = 2, "sweep", "run", "zarr.json"
 
-# Most designs of a chunk: many seconds of work, and some 100 MB while it lasts.
-MOST_DESIGNS = {"covariance": 2**17, "spectral": 2**8}
-
-# Seconds that a scheduler has to answer, and to have a first worker.
-ANSWER, WORKER = 30.0, 30.0
-
-# Seconds that chunks under way have to be finished after an interrupt.
-PATIENCE = 1.0
-
-Index = tuple[int, ...]
-Task = tuple[Any, ...]
-"""Arguments of `block_metrics`."""
-
-Finish = Callable[[Index, xr.Dataset], None]
-Compute = Callable[[Mapping[Index, Task], Finish], None]
+# Measured on a full car's metrics: a tenth of the time of computing them, and half the size; Zarr's own choice takes
+# half as long again, higher levels twice as long for little more.
+COMPRESSION: dict[str, Any] = {"cname": "zstd", "clevel": 1, "shuffle": "bitshuffle"}
 
 
-class Swept(NamedTuple):
-    """What a sweep did: all designs and chunks of the store, chunks found finished, and designs computed now."""
+class Place(NamedTuple):
+    """Where the store of a run is, and the run's name in it."""
 
-    designs: int
-    chunks: int
-    found: int
-    computed: int
+    store: str
+    run: str
 
 
-def sweep(
-    vehicle: Vehicle,
-    road: Road,
-    axes: Mapping[str, ArrayLike],
-    store: str | PathLike[str],
-    method: Literal["covariance", "spectral"] = "covariance",
-    *,
-    scheduler: str | None = None,
-    progress: bool = False,
-) -> Swept:
-    """Compute ride metrics over a grid of designs into a Zarr store, or finish a store that an earlier run began.
+def located(store: str | PathLike[str]) -> str:
+    """The address of a store for any process: an absolute path, or a URL that fsspec knows."""
+    text = os.fspath(store)
+    if text.startswith("file://") or "://" not in text:
+        return str(Path(text.removeprefix("file://")).absolute())
+    import fsspec
 
-    ``xarray.open_zarr(store)`` opens the Dataset that `ride_metrics` would return; designs that are not finished are
-    NaN. It stays in memory a chunk at a time, about 100 000 designs for each thread.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        One number, or one for each corner, for every parameter that is not an axis.
-    road : Road
-        What the vehicle runs over.
-    axes : mapping of str to array_like
-        Values of the parameters that vary, in SI units, each a row of different numbers; the result has a dim for each,
-        in this order. ``ks`` is for all corners, ``ks_front``, ``ks_left`` or ``ks_rl`` for some; an axis for corners
-        that differ in the vehicle is refused, as it would make them alike.
-    store : path
-        Folder of the store. If it exists, it must be of the same sweep.
-    method : {"covariance", "spectral"}
-        Of `ride_metrics`.
-    scheduler : str, optional
-        Address of a Dask scheduler, whose workers compute; they need susp_ss, but do not touch the store. The threads
-        of this machine when None.
-    progress : bool
-        Show the progress on stderr.
-
-    Returns
-    -------
-    Swept
-        Numbers of ``designs`` and ``chunks``, of chunks ``found`` finished, and of designs ``computed``.
-
-    Raises
-    ------
-    TypeError, ValueError
-        An argument that is refused, a store of another sweep (with what differs), or a design that is refused (with its
-        values).
-    OSError
-        The store cannot be written, or the scheduler does not answer or is lost; says how many chunks are unfinished.
-    ModuleNotFoundError
-        Dask or Zarr is not installed.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> import numpy as np
-    >>> import xarray as xr
-    >>> from susp_ss import QuarterCar, Road
-    >>> from susp_ss.sweep import sweep
-    >>> store = pathlib.Path(tempfile.mkdtemp(), "out.zarr")
-    >>> axes = {"ks": np.linspace(12e3, 25e3, 30), "cs": np.linspace(800.0, 2200.0, 20)}
-    >>> sweep(QuarterCar(), Road(), axes, store)
-    Swept(designs=600, chunks=1, found=0, computed=600)
-    >>> xr.open_zarr(store).bacc.sizes
-    Frozen({'ks': 30, 'cs': 20})
-    >>> sweep(QuarterCar(), Road(), axes, store)
-    Swept(designs=600, chunks=1, found=1, computed=0)
-    """
-    _need_libraries(scheduler)
-    check_kinds(vehicle, road)
-    if method not in MOST_DESIGNS:
-        raise ValueError(f"method of a sweep must be one of {', '.join(MOST_DESIGNS)}, got {briefly(method)}")
-    frame, ground, arrays = taken_apart(_along(vehicle, axes), road)
-    sizes = {name: arrays.sizes[name] for name in axes}
-    chunk = _chunk(sizes, MOST_DESIGNS[method])
-    regions = _regions(sizes, chunk)
-
-    how: dict[str, Any] = {"method": method, "weighting": {}, "designs": math.prod(sizes.values())}
-
-    def task(region: Mapping[str, slice]) -> Task:
-        return arrays.isel(region), frame, ground, how, tuple(axes)
-
-    path = Path(store)
-    with _computing(scheduler) as compute:
-        asked = _asked(vehicle, road, axes, method, chunk)
-        if not path.exists():
-            first = block_metrics(*task({name: slice(1) for name in axes})).isel(dict.fromkeys(axes, 0))
-            _lay_out(path, first.drop_vars(axes), arrays.coords, chunk, asked)
-        done = _marks(path, asked)
-        found = done[...]
-        tasks = {index: task(region) for index, region in regions.items() if not found[index]}
-        shown = progress_of("sweeping", len(regions), len(regions) - len(tasks), progress)
-        with _saying_what_is_unfinished(path, done), shown as steps:
-
-            def finish(index: Index, metrics: xr.Dataset) -> None:
-                _write(path, regions[index], metrics)
-                done[index] = True
-                steps.advance()
-
-            compute(tasks, finish)
-    computed = sum(math.prod(block.sizes.values()) for block, *_ in tasks.values())
-    return Swept(math.prod(sizes.values()), len(regions), len(regions) - len(tasks), computed)
-
-
-def _need_libraries(scheduler: str | None) -> None:
-    with needing("distributed", "a sweep"):
-        for name in ("dask.array", "zarr") if scheduler is None else ("dask.array", "zarr", "distributed"):
-            importlib.import_module(name)
-
-
-def _along(vehicle: Vehicle, axes: Mapping[str, ArrayLike]) -> Vehicle:
-    """The vehicle with its axes as labelled arrays, each on a dim of its own name."""
-    quantities, known = vehicle.quantities(), vehicle.settings()
-    if not axes:
-        raise ValueError(f"axes must name at least one parameter, available: {', '.join(quantities)}")
-    for name in quantities:
-        if not all(isinstance(leaf, float) for leaf in vehicle.at_wheels(name)):
-            raise ValueError(
-                f"{type(vehicle).__name__}({name}=...) of a sweep must be a number, or an axis; got an array"
-            )
-    arrays: dict[str, xr.DataArray] = {}
-    for name, given in axes.items():
-        if name not in known:
-            raise ValueError(
-                f"axes: {type(vehicle).__name__} has no parameter named {name!r}, available: {', '.join(quantities)}"
-            )
-        field, wheels = known[name]
-        for other in arrays:
-            both = [wheel for wheel in known[other][1] if wheel in wheels]
-            if known[other][0] == field and both:
-                raise ValueError(f"axes {other} and {name} both set {field} at {', '.join(both)}; pass one of them")
-        values = np.asarray(given)
-        if values.ndim != 1 or values.dtype.kind not in "iuf" or len(np.unique(values)) < values.size:
-            raise ValueError(f"axes[{name!r}] must be a row of different numbers, got {briefly(given)}")
-        at = "" if name == field else f" at {', '.join(wheels)}"
-        labels = {"units": quantities[field].unit, "long_name": f"{quantities[field].meaning}{at}"}
-        arrays[name] = xr.DataArray(values, {name: (name, values.astype(float), labels)})
-    return vehicle.replaced(**arrays)
-
-
-def _chunk(sizes: Mapping[str, int], most: int) -> dict[str, int]:
-    """Whole last axes, even pieces of the next one, and single nodes of the others: at most ``most`` designs."""
-    chunk = {}
-    for name, size in reversed(list(sizes.items())):
-        chunk[name] = math.ceil(size / math.ceil(size / most))
-        most = max(most // chunk[name], 1)
-    return {name: chunk[name] for name in sizes}
-
-
-def _regions(sizes: Mapping[str, int], chunk: Mapping[str, int]) -> dict[Index, dict[str, slice]]:
-    """Slices of every chunk by its index."""
-    pieces = [
-        [slice(start, min(start + chunk[name], size)) for start in range(0, size, chunk[name])]
-        for name, size in sizes.items()
-    ]
-    indices = itertools.product(*(range(len(slices)) for slices in pieces))
-    return {
-        index: dict(zip(sizes, region, strict=True))
-        for index, region in zip(indices, itertools.product(*pieces), strict=True)
-    }
-
-
-def _asked(
-    vehicle: Vehicle, road: Road, axes: Mapping[str, ArrayLike], method: str, chunk: Mapping[str, int]
-) -> dict[str, str]:
-    """Everything that decides the numbers of a store, as text by name."""
-    fixed = [name for name in vehicle.quantities() if name not in axes]
-    grid = {name: np.asarray(values, dtype=float) for name, values in axes.items()}
-    return {
-        "susp_ss": __version__,
-        "model": model_name(vehicle),
-        **{f"parameter {name}": _text(entry(vehicle, name)) for name in fixed},
-        **{f"road {name}": str(value) for name, value in dataclasses.asdict(road).items()},
-        **({} if type(road) is Road else {"road kind": type(road).__name__}),
-        "method": method,
-        "axes": ", ".join(axes),
-        **{f"axis {name}": _digest(values) for name, values in grid.items()},
-        "chunk": _text(chunk),
-    }
-
-
-def _text(parts: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name} {part}" for name, part in parts.items())
-
-
-def _digest(values: np.ndarray) -> str:
-    checksum = hashlib.sha256(values.tobytes()).hexdigest()[:8]
-    return f"{len(values)} nodes from {values[0]} to {values[-1]} (sha256 {checksum})"
-
-
-def _lay_out(
-    path: Path, first: xr.Dataset, coords: Mapping[Any, Any], chunk: Mapping[str, int], asked: Mapping[str, str]
-) -> None:
-    """Make the store, full of NaN, and give it its name when it is complete."""
-    import dask.array
-    import zarr
-
-    sizes = {name: coords[name].size for name in chunk}
-    # Zarr specifies variable-length text; numpy's own of fixed length it does not.
-    empty = xr.Dataset(coords={**coords, **{name: place.astype(object) for name, place in first.coords.items()}})
-    for name, data in first.items():
-        blocks = dask.array.empty((*sizes.values(), *data.shape), chunks=(*chunk.values(), *data.shape))
-        empty[name] = ((*sizes, *data.dims), blocks, data.attrs)
-    counts = [math.ceil(sizes[name] / chunk[name]) for name in chunk]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
-        laid = Path(scratch, path.name)
-        empty.to_zarr(laid, compute=False, zarr_format=3, consolidated=False)
-        group = zarr.open_group(laid, mode="r+").create_group(GROUP)
-        group.attrs.update({"store version": STORE_VERSION, **asked})
-        group.create_array("done", shape=counts, chunks=(1,) * len(counts), dtype=bool, dimension_names=list(chunk))
-        with warnings.catch_warnings():
-            # Zarr 3 has yet to specify consolidated metadata, which open_zarr wants.
-            warnings.simplefilter("ignore", zarr.errors.ZarrUserWarning)
-            zarr.consolidate_metadata(laid)
-        os.rename(laid, path)
-
-
-def _marks(path: Path, asked: Mapping[str, str]) -> Any:
-    """Open the marks of a store, if it is of the sweep that is asked for."""
-    import zarr
-
+    if text.startswith("s3://"):
+        with needing("s3", f"store {text}"):
+            import s3fs  # noqa: F401
     try:
-        group = zarr.open_group(path, path=GROUP, mode="r+", use_consolidated=False)
-        held = dict(group.attrs)
-        version = held.pop("store version")
-    except (FileNotFoundError, FileExistsError, KeyError):
-        raise ValueError(f"store {path} exists and is not a store of a sweep; pass another name") from None
+        fsspec.get_filesystem_class(text.partition("://")[0])
+    except (ImportError, ValueError) as error:
+        raise ValueError(f"store {text}: {error}") from None
+    return text
+
+
+def exists(store: str) -> bool:
+    """Whether anything stands at the address of a store but what was left of laying it out."""
+    if "://" not in store:
+        return Path(store).exists()
+    with _reaching(f"store {store}: ", ()):
+        files, root = _files(store)
+        files.invalidate_cache()
+        if files.exists(f"{root}/{METADATA}") or not files.exists(f"{root}/{GROUP}/{METADATA}"):
+            return bool(files.exists(root))
+    return False
+
+
+def lay_out(store: str, plan: Plan) -> None:
+    """Make the store, full of NaN, which opens when it is complete."""
+    remote = "://" in store
+    if not remote:
+        Path(store).parent.mkdir(parents=True, exist_ok=True)
+    folder = None if remote else Path(store).parent
+    with tempfile.TemporaryDirectory(prefix=f".{Path(store).name}-", dir=folder) as scratch:
+        laid = Path(scratch, "store")
+        _fill(laid, plan)
+        if remote:
+            _upload(laid, store)
+        else:
+            os.rename(laid, store)
+
+
+def _fill(laid: Path, plan: Plan) -> None:
+    import zarr
+    from zarr.codecs import BloscCodec
+
+    # Zarr specifies variable-length text; numpy's own of fixed length it does not.
+    coords = {**plan.arrays.coords, **{name: place.astype(object) for name, place in plan.like.coords.items()}}
+    xr.Dataset(coords=coords).to_zarr(laid, zarr_format=3, consolidated=False)
+    root = zarr.open_group(laid, mode="r+", use_consolidated=False)
+    root.attrs.update(plan.asked)
+    designs = tuple(plan.chunk.values())
+    for name, data in plan.like.items():
+        root.create_array(
+            str(name),
+            shape=(*plan.sizes.values(), *data.shape),
+            chunks=(*designs, *(1 for _ in data.shape)),
+            shards=(*designs, *data.shape) if data.shape else None,
+            dtype=plan.dtype,
+            fill_value=np.nan,
+            compressors=BloscCodec(**COMPRESSION),
+            dimension_names=[*plan.chunk, *map(str, data.dims)],
+            attributes=data.attrs,
+        )
+    group = root.create_group(GROUP, attributes={"store version": STORE_VERSION, "susp_ss": __version__})
+    counts = tuple(math.ceil(plan.sizes[name] / plan.chunk[name]) for name in plan.chunk)
+    # One file, which is replaced as a whole.
+    group.create_array("done", shape=counts, chunks=counts, dtype=bool, dimension_names=list(plan.chunk))
+    with warnings.catch_warnings():
+        # Zarr 3 has yet to specify consolidated metadata, which open_zarr wants.
+        warnings.simplefilter("ignore", zarr.errors.ZarrUserWarning)
+        zarr.consolidate_metadata(laid)
+
+
+def _upload(laid: Path, store: str) -> None:
+    """Copy a store to its URL, beginning with what tells it from other people's files, its root's metadata last."""
+    order = {f"{GROUP}/{METADATA}": 0, METADATA: 2}
+    names = [path.relative_to(laid).as_posix() for path in laid.rglob("*") if path.is_file()]
+    with _reaching(f"store {store}: ", ()):
+        files, root = _files(store)
+        for name in sorted(names, key=lambda name: order.get(name, 1)):
+            files.pipe_file(f"{root}/{name}", (laid / name).read_bytes())
+
+
+def _files(store: str) -> tuple[Any, str]:
+    import fsspec
+
+    return fsspec.core.url_to_fs(store)
+
+
+def _group(store: str, path: str = "", mode: Any = "r") -> Any:
+    import zarr
+
+    return zarr.open_group(store, path=path, mode=mode, zarr_format=3, use_consolidated=False)
+
+
+def marks(store: str, asked: Mapping[str, str]) -> NDArray[np.bool_]:
+    """Read the marks of a store, if it is of the sweep that is asked for."""
+    strangers = (FileNotFoundError, FileExistsError, NotADirectoryError, KeyError)
+    try:
+        with _reaching(f"store {store}: ", strangers):
+            group, held = _group(store, GROUP), dict(_group(store).attrs)
+            version, done = group.attrs["store version"], np.asarray(group["done"][...])
+    except strangers:
+        raise ValueError(f"store {store} exists and is not a store of a sweep; pass another name") from None
     if version != STORE_VERSION:
         raise ValueError(
-            f"store {path} has version {version}, and this susp_ss {__version__} reads version {STORE_VERSION}; "
-            f"use the susp_ss {held.get('susp_ss')} that made it, or pass another name"
+            f"store {store} has version {version}, and this susp_ss {__version__} reads version {STORE_VERSION}; "
+            f"use the susp_ss {group.attrs.get('susp_ss')} that made it, or pass another name"
         )
     differing = [
         f"{name} is {held.get(name, 'absent')} there and {asked.get(name, 'absent')} here"
@@ -302,83 +164,60 @@ def _marks(path: Path, asked: Mapping[str, str]) -> Any:
         if held.get(name) != asked.get(name)
     ]
     if differing:
-        raise ValueError(f"store {path} is of another sweep: {'; '.join(differing)}; pass another name")
-    return group["done"]
-
-
-def _write(path: Path, region: Mapping[str, slice], metrics: xr.Dataset) -> None:
-    """Write the metrics of a chunk, whose Zarr chunks nothing else writes."""
-    metrics.drop_vars(metrics.coords).to_zarr(path, region=region, zarr_format=3, consolidated=False)
+        raise ValueError(f"store {store} is of another sweep: {'; '.join(differing)}; pass another name")
+    return done
 
 
 @contextmanager
-def _saying_what_is_unfinished(path: Path, done: Any) -> Iterator[None]:
-    def unfinished() -> str:
-        marks = done[...]
-        return f"{int((~marks).sum())} of {marks.size} chunks are unfinished; run the same sweep again to resume"
+def running(store: str) -> Iterator[Place]:
+    """Name a run in its store while it lasts."""
+    place = Place(store, uuid.uuid4().hex)
+    with _reaching():
+        group = _group(store, GROUP, "r+")
+        group.attrs[RUN] = place.run
+    try:
+        yield place
+    finally:
+        with suppress(OSError), _reaching():
+            _check(place)
+            del group.attrs[RUN]
 
+
+def write(place: Place, region: Region, metrics: xr.Dataset) -> None:
+    """Write the metrics of a chunk, whose shards nothing else writes, into the store that is there before and after."""
+    with _reaching():
+        _check(place)
+        for name, data in metrics.items():
+            _array(place, str(name))[tuple(region.values())] = data.values
+        _check(place)
+
+
+def mark(place: Place, done: NDArray[np.bool_]) -> None:
+    """Write the marks."""
+    with _reaching():
+        _check(place)
+        _array(place, f"{GROUP}/done")[...] = done
+
+
+def _check(place: Place) -> None:
+    if _group(place.store, GROUP).attrs.get(RUN) != place.run:
+        raise FileNotFoundError(f"what is reached at {place.store} is another store, or another run began to write it")
+
+
+@lru_cache(maxsize=64)
+def _array(place: Place, name: str) -> Any:
+    import zarr
+
+    return zarr.open_array(place.store, path=name, mode="r+", zarr_format=3)
+
+
+@contextmanager
+def _reaching(named: str = "", known: tuple[type[Exception], ...] = (OSError,)) -> Iterator[None]:
+    """Say as an OSError, after a name, whatever else than what is known the libraries of a store say of it."""
     try:
         yield
-    except OSError as error:
-        raise OSError(f"store {path}: {error.strerror or error}; {unfinished()}") from error
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"store {path}: {unfinished()}") from None
-
-
-def _computing(scheduler: str | None) -> AbstractContextManager[Compute]:
-    return nullcontext(_on_threads) if scheduler is None else _on_cluster(scheduler)
-
-
-def _on_threads(tasks: Mapping[Index, Task], finish: Finish) -> None:
-    """Compute and finish chunks on threads; a failure waits for those under way, an interrupt not for long."""
-
-    def run(index: Index) -> None:
-        finish(index, block_metrics(*tasks[index]))
-
-    pool = ThreadPoolExecutor(os.cpu_count())
-    futures = [pool.submit(run, index) for index in tasks]
-    try:
-        for future in as_completed(futures):
-            future.result()
-    except KeyboardInterrupt:
-        pool.shutdown(wait=False, cancel_futures=True)
-        wait(futures, timeout=PATIENCE)
+    except known:
         raise
-    except BaseException:
-        pool.shutdown(cancel_futures=True)
-        raise
-    pool.shutdown()
-
-
-@contextmanager
-def _on_cluster(scheduler: str) -> Iterator[Compute]:
-    """Compute chunks on the workers of a cluster, and finish them here."""
-    from distributed import Client, KilledWorker
-    from distributed import as_completed as as_answered
-
-    try:
-        client = Client(scheduler, timeout=ANSWER)
-    except (OSError, ValueError) as error:
-        raise ConnectionError(
-            f"no Dask scheduler answers at {scheduler!r} within {ANSWER:g} s; start one with: dask scheduler"
-        ) from error
-
-    def compute(tasks: Mapping[Index, Task], finish: Finish) -> None:
-        futures = {client.submit(block_metrics, *task, pure=False): index for index, task in tasks.items()}
-        try:
-            for future in as_answered(futures):
-                finish(futures[future], future.result())
-                future.release()
-        except CancelledError as error:
-            raise ConnectionError(f"the Dask scheduler at {scheduler} is lost") from error
-        except KilledWorker as error:
-            raise ConnectionError(f"the workers of the Dask scheduler at {scheduler} died: {error}") from error
-
-    with client:
-        try:
-            client.wait_for_workers(1, timeout=WORKER)
-        except TimeoutError as error:
-            raise ConnectionError(
-                f"the Dask scheduler at {scheduler} has no worker; start one with: dask worker {scheduler}"
-            ) from error
-        yield compute
+    except Exception as error:
+        said = error.strerror or error if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
+        raise OSError(f"{named}{said}") from error
