@@ -38,9 +38,7 @@ def metrics_in_memory(vehicle: Vehicle, road: Road, method: str, designs: int, *
         variances = spectral_variances(flat, space, road)
     else:
         variances = covariance_variances(flat, space, road, designs)
-    corners = flat.linkage().corners.values()
-    damping = np.stack(np.broadcast_arrays(*(corner.cs for corner in corners))).T
-    return _labelled(vehicle.layout(), space, damping, variances, errors)
+    return _labelled(vehicle.layout(), space, flat.damping(), variances, errors)
 
 
 def template(layout: Layout, method: str) -> xr.Dataset:
@@ -51,11 +49,12 @@ def template(layout: Layout, method: str) -> xr.Dataset:
 
 def _labelled(layout: Layout, space: DesignSpace, damping: Array, variances: Array, errors: Array | None) -> xr.Dataset:
     """Root mean squares and damper powers of variances (designs, outputs), which they replace."""
-    rates = layout.outputs.of("dsws")
+    rates = layout.rates
     power = damping * variances[:, rates]
     roots = np.sqrt(variances, out=variances)
     metrics = labelled_outputs(layout, roots, power, space, long_name="{statistic} {meaning}")
-    metrics.dtl.attrs["comment"] = INFINITE
+    if "dtl" in metrics:
+        metrics.dtl.attrs["comment"] = INFINITE
     if errors is None:
         return metrics
     with np.errstate(divide="ignore", invalid="ignore"):

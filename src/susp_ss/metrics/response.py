@@ -164,7 +164,8 @@ class Response:
         for field, values in fields.items():
             if isinstance(values, dict):
                 fields[field] = Corners(**values) if len(values) == 4 else tuple(values.values())
-        metric = ride_metrics(dataclasses.replace(self.vehicle, **fields), road)[self.criterion]
+        vehicle = dataclasses.replace(self.vehicle, **fields) if fields else self.vehicle
+        metric = ride_metrics(vehicle, road)[self.criterion]
         return np.broadcast_to((metric if self.at is None else metric.sel({metric.dims[-1]: self.at})).to_numpy(), n)
 
     def _on_roads(self, ofroad: Mapping[str, Array], settings: Mapping[str, Array], n: int) -> Array:

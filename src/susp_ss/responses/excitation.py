@@ -13,8 +13,12 @@ from numpy.typing import NDArray
 
 from ..quantities import briefly
 from ..roads.road import Road
-from ..vehicles.second_order import SecondOrder, beyond_rounding
-from ..vehicles.vehicle import Vehicle
+from ..vehicles.contract import Model, RoadVehicle
+from ..vehicles.second_order import beyond_rounding
+
+
+# Rates of what integrates that are no larger than this, relative to their terms, are what splitting them off leaves.
+DRIFT = 1e-9
 
 
 class Process(NamedTuple):
@@ -37,14 +41,14 @@ def check_kinds(vehicle: Any, *roads: Any) -> None:
     TypeError
         Naming the argument and an example of what it may be.
     """
-    if not isinstance(vehicle, Vehicle):
+    if not isinstance(vehicle, RoadVehicle):
         raise TypeError(f"vehicle must be one of the package's vehicles, such as QuarterCar(), got {briefly(vehicle)}")
     for road in roads:
         if not isinstance(road, Road):
             raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {briefly(road)}")
 
 
-def processes(vehicle: Vehicle, road: Road) -> list[Process]:
+def processes(vehicle: RoadVehicle, road: Road) -> list[Process]:
     """Split what the wheels see into independent processes.
 
     Raises
@@ -70,12 +74,12 @@ def processes(vehicle: Vehicle, road: Road) -> list[Process]:
     return [process(excited, 0.5, sign), process(side * excited, 0.5, -sign)]
 
 
-def delay(vehicle: Vehicle, road: Road) -> Any:
+def delay(vehicle: RoadVehicle, road: Road) -> Any:
     """Time in s from the front to the rear wheels, one number or one a design."""
     return vehicle.wheelbase / road.speed
 
 
-def check_stationary(vehicle: Vehicle, road: Road, model: SecondOrder) -> None:
+def check_stationary(vehicle: RoadVehicle, road: Road, model: Model) -> None:
     """Say when a vehicle on a road has no stationary response.
 
     Raises
@@ -84,28 +88,36 @@ def check_stationary(vehicle: Vehicle, road: Road, model: SecondOrder) -> None:
         A mode of some design is never damped, the vehicle feels the height of the road, or the wheels' heights drift
         apart in the one direction that a rigid body cannot follow.
     """
-    kind = type(vehicle).__name__
-    if np.any(model.unstable()):
-        raise ValueError(f"{kind} has a mode that no damper reaches; pass cs > 0 at every corner")
-    if not model.rides_along:
-        raise ValueError(
-            f"{kind} has a stiffness that feels the height of the road, which has no finite variance; add its share "
-            "of K_in as well, dK_in = dK G"
-        )
-    if model.warp is None or road.cutoff > 0.0:
+    refusal = model.refusal()
+    if refusal:
+        raise ValueError(f"{type(vehicle).__name__} {refusal}")
+    if road.cutoff > 0.0:
         return
     for process in processes(vehicle, road):
-        at_once, later = model.warp @ process.now, model.warp @ process.later
+        at_once, drift = integrated(model, process)
         # Delayed independent tracks leave a difference whose spectrum still diverges from waviness 3 on.
-        diverges = road.waviness >= 3.0 and process.sign == 0 and at_once != 0.0
-        if at_once + later != 0.0 or diverges:
+        diverges = (at_once != 0.0) & (road.waviness >= 3.0 and process.sign == 0)
+        which = np.any((drift != 0.0) | diverges, axis=tuple(range(drift.ndim - 1)))
+        if which.any():
             raise ValueError(
-                f"the warp of the road under the four wheels has no finite variance ({road.describe()}), so that "
-                "SWS and DTL have none either; pass cutoff > 0, or let all wheels see a road of waviness 2"
+                f"{model.drifting(which)} ({road.describe()}); pass cutoff > 0, or let all wheels see a road of "
+                "waviness 2"
             )
 
 
-def infinite_outputs(model: SecondOrder, excited: list[Process], road: Road) -> NDArray[np.bool_]:
+def integrated(model: Model, process: Process) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Rates (designs..., k) of what integrates, under the process at once, and under both axles together.
+
+    The latter is what drifts: exactly zero where the rear wheels undo what the front ones did.
+    """
+    at_once, later = model.integrators @ process.now, model.integrators @ process.later
+    sizes = np.abs(model.integrators) @ (np.abs(process.now) + np.abs(process.later))
+    return np.where(np.abs(at_once) > DRIFT * sizes, at_once, 0.0), np.where(
+        np.abs(at_once + later) > DRIFT * sizes, at_once + later, 0.0
+    )
+
+
+def infinite_outputs(model: Model, excited: list[Process], road: Road) -> NDArray[np.bool_]:
     """Outputs (designs..., outputs) that pass the road's velocity straight on, which has no finite variance.
 
     It has one only where its spectrum falls off at high frequency, from waviness 3 on.

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..quantities import briefly
 from ..roads.road import Road
-from ..vehicles.second_order import SecondOrder
+from ..vehicles.contract import Model
 from ..vehicles.vehicle import Vehicle
-from .excitation import check_kinds, delay, processes
+from .excitation import check_kinds, delay, integrated, processes
 
 
 def frequency_response(vehicle: Vehicle, frequency: ArrayLike) -> xr.DataArray:
@@ -112,14 +112,14 @@ def psd(vehicle: Vehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
 
 
 def output_density(
-    vehicle: Vehicle, model: SecondOrder, road: Road, f: NDArray, interference: ArrayLike = 1.0
+    vehicle: Vehicle, model: Model, road: Road, f: NDArray, interference: ArrayLike = 1.0
 ) -> NDArray:
     """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs).
 
     ``interference`` (F,) weighs the cross term of front and rear wheels, which turns with the delay.
     """
     omega = 2.0 * np.pi * f
-    H = model.transfer(omega)
+    H, s = model.relative_transfer(omega), 1j * omega[:, None]
     lag = np.exp(-1j * omega * np.asarray(delay(vehicle, road))[..., None])
     width = np.asarray(vehicle.track_width)[..., None]
     velocity = omega**2 * road.psd(f / road.speed) / road.speed
@@ -129,7 +129,9 @@ def output_density(
         if process.sign:
             apart = road.incoherence(f / road.speed, width)
             share = 0.5 * (apart if process.sign < 0 else 2.0 - apart)
-        now, later = H @ process.now, lag[..., None] * (H @ process.later)
+        at_once, drift = ((model.on_integrators @ rate[..., None])[..., None, :, 0] for rate in integrated(model, process))
+        now = H @ process.now + at_once / s
+        later = lag[..., None] * (H @ process.later + (drift - at_once) / s)
         # The sum first: at low frequency a warp of either axle is large and nearly cancels the other's.
         power = np.abs(now + later) ** 2
         power -= 2.0 * (1.0 - np.asarray(interference))[..., None] * (now * later.conj()).real

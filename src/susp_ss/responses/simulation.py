@@ -13,8 +13,8 @@ from ..progress import tracked
 from ..quantities import briefly, whole_number
 from ..roads.profiles import synthesise
 from ..roads.road import Road
+from ..vehicles.contract import Model
 from ..vehicles.parameters import DesignSpace
-from ..vehicles.second_order import SecondOrder
 from ..vehicles.vehicle import Vehicle
 from .excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
 from .labels import labelled_outputs
@@ -73,13 +73,13 @@ def simulate(vehicle: Vehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
     t = _checked_time(time)
     z = _checked_profile(profile, tuple(vehicle.wheels), len(t))
     y = _outputs(model, z, t)
-    power = model.damping[:, None] * y[model.layout.outputs.of("dsws")] ** 2
+    power = model.damping[:, None] * y[model.layout.rates] ** 2
     history = labelled_outputs(model.layout, y[None], power[None], vehicle.design_space(), ("time",), {"time": t})
     history.time.attrs["units"] = "s"
     return history
 
 
-def _outputs(model: SecondOrder, z: Array, t: Array) -> Array:
+def _outputs(model: Model, z: Array, t: Array) -> Array:
     """All outputs (outputs, T) on road heights (inputs, T), from static equilibrium on the first."""
     import control
 

@@ -40,6 +40,7 @@ def _variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
     span = np.geomspace(1e-3, 1e3, 1000)
     density = np.sum(np.abs(model.transfer(2.0 * np.pi * span)) ** 2, axis=-1) * road.intensity
     scale = np.trapezoid(density, span, axis=-2).reshape(-1)
+    scale[scale == 0.0] = 1.0
 
     resonances = np.abs(np.linalg.eigvals(model.A)) / (2.0 * np.pi)
     turn = road.speed / (2.0 * np.pi * float(np.max(vehicle.wheelbase))) if np.any(vehicle.wheelbase) else 0.0

@@ -81,3 +81,23 @@ class Correlations:
         cross = self.dynamics.solve(self.white * (self.free - self.front) - coloured)
         own = self.white * tau[:, 0] + (self.weights * (tau - memory)).sum(axis=-3)
         return now * cross, now**2 * own[:, :, 0]
+
+    def integrated(self, at_once: Any, drift: Any) -> tuple[Any, Any]:
+        """``E[x h]`` (N, n, k) and ``E[h h^T]`` (N, k, k) of k integrals ``h``, whose rates are rows (N, k).
+
+        ``h' = at_once u(t) + (drift - at_once) u(t - tau)``: where nothing drifts, all are one integral over the delay.
+        """
+        at_once, later = at_once[:, None], (drift - at_once)[:, None]
+        if not drift.any():
+            cross, own = self.warp(1.0, -1.0)
+            return cross * at_once, own[..., None] * (at_once.mT * at_once)
+        cross, own = self.warp(1.0, 0.0)
+        own = own[..., None]
+        if not later.any():
+            return cross * at_once, own * (at_once.mT * at_once)
+        both = 0.5 * self.warp(1.0, 1.0)[1][..., None] - own
+        mixed = at_once.mT * later
+        return (
+            cross * at_once + self.warp(0.0, 1.0)[0] * later,
+            own * (at_once.mT * at_once + later.mT * later) + both * (mixed + mixed.mT),
+        )

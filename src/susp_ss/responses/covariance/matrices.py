@@ -9,7 +9,7 @@ structure of a second-order system (`lyapunov`).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,12 +17,14 @@ from numpy.typing import NDArray
 
 from ...roads.colours import colours
 from ...roads.road import Road
+from ...vehicles.contract import Model, RoadVehicle
 from ...vehicles.parameters import DesignSpace
 from ...vehicles.second_order import SecondOrder
 from ...vehicles.vehicle import Vehicle
-from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
+from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, integrated, processes
 from .first_order import Correlations, Spectrum
 from .lyapunov import Dynamics
+from .modal import Modal
 
 Array = NDArray[np.float64]
 
@@ -35,9 +37,9 @@ BATCH = 256
 
 
 class Moments(NamedTuple):
-    """Matrices of a batch of designs, covariance (N, 2n [+ 1], 2n [+ 1]) of (p, v [, warp]), its error (N,)."""
+    """Matrices of a batch of designs, covariance (N, n + k, n + k) of (p, v) and what integrates, its error (N,)."""
 
-    model: SecondOrder
+    model: Any
     X: Array
     error: Array
     infinite: NDArray[np.bool_]
@@ -84,7 +86,7 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     flat = vehicle.flattened(space)
     solved = [moments(flat, space, road, chosen, LOST_MATRIX) for chosen in batches(np.arange(space.size), BATCH)]
     states = list(solved[0].model.layout.relative_states)
-    X = np.concatenate([batch.X for batch in solved])
+    X = np.concatenate([batch.model.in_states(batch.X) for batch in solved])
     labels = {"state": states, "state_": states}
     return space.unflatten(X, ("state", "state_"), labels).rename("covariance")
 
@@ -123,37 +125,57 @@ def moments(flat: Vehicle, space: DesignSpace, road: Road, chosen: NDArray[np.in
     return solved
 
 
-def _solved(vehicle: Vehicle, model: SecondOrder, road: Road, N: int) -> Moments:
+class System(NamedTuple):
+    """``x' = A x + inputs w`` in coordinates that a solver likes; ``stretch`` (..., n) takes them back."""
+
+    dynamics: Any
+    inputs: Array
+    stretch: Array
+
+
+def _second_order(model: SecondOrder, N: int) -> System:
     n = len(model.layout.coordinates)
     root = np.sqrt(model.m)
     scale = 1.0 / (root[..., :, None] * root[..., None, :])
     dynamics = Dynamics(*(np.broadcast_to(x * scale, (N, n, n)) for x in (model.K, model.C)))
     inputs = np.concatenate([-root[..., None] * model.G, model.C_in / root[..., None]], axis=-2)
+    return System(dynamics, inputs, np.concatenate([1.0 / root, 1.0 / root], axis=-1))
+
+
+def _first_order(model: Model) -> System:
+    n = model.A.shape[-1]
+    return System(Modal(model.A), model.velocity_form()[1][..., :n, :], np.ones(n))
+
+
+def _solved(vehicle: RoadVehicle, model: Any, road: Road, N: int) -> Moments:
+    dynamics, inputs, stretch = _second_order(model, N) if model.second_order else _first_order(model)
+    n, k = inputs.shape[-2], model.integrators.shape[-2]
     tau = np.broadcast_to(delay(vehicle, road), (N,))
     width = np.broadcast_to(vehicle.track_width, (N,)).astype(float)
 
-    Q = np.zeros((N, 2 * n, 2 * n))
-    with_warp, of_warp = np.zeros((N, 2 * n, 1)), np.zeros((N, 1))
+    Q = np.zeros((N, n, n))
+    with_drift, of_drift = np.zeros((N, n, k)), np.zeros((N, k, k))
     excited = processes(vehicle, road)
     for process in excited:
         _, *parts = colours(road, process.share, process.sign, width)
         spectrum = Spectrum(*parts)
-        front, rear = (np.broadcast_to(inputs @ side, (N, 2 * n))[..., None] for side in (process.now, process.later))
-        free, forced = front, np.zeros((N, spectrum.alphas.shape[1], 2 * n, 1))
+        front, rear = (np.broadcast_to(inputs @ side, (N, n))[..., None] for side in (process.now, process.later))
+        free, forced = front, np.zeros((N, spectrum.alphas.shape[1], n, 1))
         if process.later.any():
             free, forced = dynamics.propagate(front[..., 0], tau, spectrum.alphas)
         stirred = Correlations(dynamics, front, rear, free, forced, spectrum, tau)
         Q += stirred.right_hand_side()
-        if model.warp is not None and (process.now @ model.warp or process.later @ model.warp):
-            cross, own = stirred.warp(float(process.now @ model.warp), float(process.later @ model.warp))
-            with_warp += cross
-            of_warp += own
+        at_once, drift = (np.broadcast_to(rate, (N, k)) for rate in integrated(model, process))
+        if at_once.any() or drift.any():
+            cross, own = stirred.integrated(at_once, drift)
+            with_drift += cross
+            of_drift += own
 
     X, error = dynamics.lyapunov(Q)
-    stretch = np.concatenate([1.0 / root, 1.0 / root], axis=-1)
     X = X * (stretch[..., :, None] * stretch[..., None, :])
-    if model.warp is not None:
-        X = np.pad(X, [(0, 0), (0, 1), (0, 1)])
-        X[:, :-1, -1] = X[:, -1, :-1] = stretch * with_warp[..., 0]
-        X[:, -1, -1] = of_warp[:, 0]
+    if k:
+        X = np.pad(X, [(0, 0), (0, k), (0, k)])
+        X[:, :n, n:] = stretch[..., None] * with_drift
+        X[:, n:, :n] = X[:, :n, n:].mT
+        X[:, n:, n:] = of_drift
     return Moments(model, X, error, infinite_outputs(model, excited, road))

@@ -1,0 +1,113 @@
+"""Any stable first-order system ``x' = A x``, for N designs at once, in the coordinates of its modes.
+
+All that the covariance of a road's response needs is a function of A: its inverse, resolvents, ``e^(A tau)``, the same
+under decaying forcing, and the solution of a Lyapunov equation, whose entries fall apart between modes. A design whose
+eigenvectors are too nearly parallel (critical damping, poles placed on one another) keeps no digits in them and goes by
+Schur's form and Pade's exponential, one by one.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Eigenvectors with a condition above this cost more than five digits of a function of A.
+PARALLEL = 1e5
+
+
+class Modal:
+    """Free dynamics ``x' = A x``, A (N, n, n), balanced, every eigenvalue in the open left half plane."""
+
+    def __init__(self, A: Array):
+        self.A = A
+        rates, V = np.linalg.eig(A)
+        # The triangle of V tells where it cannot be inverted, and is replaced there.
+        Q, R = np.linalg.qr(V)
+        pivots = np.abs(np.einsum("...ii->...i", R))
+        self.parallel = pivots.min(axis=-1) < pivots.max(axis=-1) / PARALLEL
+        R = np.where(self.parallel[:, None, None], np.eye(A.shape[-1]), R)
+        W = np.linalg.solve(R, Q.conj().mT)
+        sizes = np.linalg.norm(V, axis=(-2, -1)) * np.linalg.norm(W, axis=(-2, -1))
+        self.parallel |= sizes > PARALLEL * A.shape[-1]
+        self.rates, self.V, self.W = rates, V, W
+        self.one_by_one = np.flatnonzero(self.parallel)
+
+    def _of_modes(self, values: Any, x: Any) -> Array:
+        """``V diag(values) W x``, the function of A that has these values at its eigenvalues."""
+        V, W = (self.V, self.W) if x.ndim == 3 else (self.V[:, None], self.W[:, None])
+        return np.ascontiguousarray((V @ (values * (W @ x))).real)
+
+    def solve(self, x: Array) -> Array:
+        """``A^-1 x`` of columns (N, n, k)."""
+        return np.asarray(np.linalg.solve(self.A, x))
+
+    def resolvent(self, alpha: Array, x: Array) -> Array:
+        """``(alpha I - A)^-1 x`` of columns (N, J, n, k), for alpha (N, J, 1, 1) that are no eigenvalues of A."""
+        y = self._of_modes(1.0 / (alpha - self.rates[:, None, :, None]), x)
+        for i in self.one_by_one:
+            y[i] = np.linalg.solve(alpha[i] * np.eye(self.A.shape[-1]) - self.A[i], x[i])
+        return y
+
+    def propagate(self, b: Array, tau: Array, alphas: Array) -> tuple[Array, Array]:
+        """Carry ``b`` (N, n) over the delays ``tau`` (N,), freely and under forcing that decays at ``alphas`` (N, J).
+
+        Returns ``e^(A tau) b``, (N, n, 1), and ``int_0^tau e^(A (tau - s)) b e^(-alpha s) ds``, (N, J, n, 1).
+        """
+        over = tau[:, None, None] * self.rates[:, :, None]
+        free = self._of_modes(np.exp(over), b[:, :, None])
+        columns = np.broadcast_to(b[:, None, :, None], (*alphas.shape, b.shape[1], 1))
+        decay = -(tau[:, None] * alphas)[:, :, None, None]
+        forced = self._of_modes(tau[:, None, None, None] * _mean_exponential(over[:, None], decay), columns)
+        for i in self.one_by_one:
+            free[i], forced[i] = _carried(self.A[i], b[i], float(tau[i]), alphas[i])
+        return free, forced
+
+    def lyapunov(self, Q: Array) -> tuple[Array, Array]:
+        """Solve ``A X + X A^T + Q = 0`` for symmetric Q (N, n, n).
+
+        Returns X (N, n, n), refined once, and its relative error (N,): what a second step would still change.
+        """
+        X = self._lyapunov(Q)
+        X = X + self._lyapunov(self._residual(X, Q))
+        change = self._lyapunov(self._residual(X, Q))
+        largest = np.abs(X).max(axis=(-2, -1))
+        error = np.divide(np.abs(change).max(axis=(-2, -1)), largest, out=np.zeros_like(largest), where=largest > 0.0)
+        return X, error
+
+    def _residual(self, X: Array, Q: Array) -> Array:
+        half = self.A @ X
+        return np.asarray(half + half.mT + Q)
+
+    def _lyapunov(self, Q: Array) -> Array:
+        V, W = self.V, self.W
+        sums = self.rates[:, :, None] + self.rates[:, None, :].conj()
+        X = np.ascontiguousarray((V @ ((W @ Q @ W.conj().mT) / -sums) @ V.conj().mT).real)
+        for i in self.one_by_one:
+            X[i] = scipy.linalg.solve_continuous_lyapunov(self.A[i], -Q[i])
+        return 0.5 * (X + X.mT)
+
+
+def _mean_exponential(x: Array, y: Array) -> Array:
+    """``int_0^1 e^(x (1 - s) + y s) ds = (e^x - e^y) / (x - y)``, without loss where x is near y."""
+    apart = x - y
+    ahead = apart.real > 0.0
+    # From the larger of both ends, so that nothing overflows.
+    step = np.where(ahead, -apart, apart)
+    safe = np.where(step == 0.0, 1.0, step)
+    return np.asarray(np.exp(np.where(ahead, x, y)) * np.where(step == 0.0, 1.0, np.expm1(safe) / safe))
+
+
+def _carried(A: Array, b: Array, tau: float, alphas: Array) -> tuple[Array, Array]:
+    """What `Modal.propagate` returns of one design: the forcing is one more state."""
+    n = len(A)
+    free = scipy.linalg.expm(A * tau) @ b[:, None]
+    forced = np.zeros((len(alphas), n, 1))
+    for j, alpha in enumerate(alphas):
+        driven = np.block([[A, b[:, None]], [np.zeros((1, n)), np.array([[-alpha]])]])
+        forced[j] = scipy.linalg.expm(driven * tau)[:n, n:]
+    return free, forced
