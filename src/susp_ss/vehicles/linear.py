@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -69,6 +70,12 @@ class LinearModel:
         """Some of the designs."""
         arrays = ("A", "B", "C", "integrators", "on_integrators", "on_road_velocity", "states")
         return replace(self, **{name: getattr(self, name)[designs] for name in arrays})
+
+    @cached_property
+    def modes(self) -> tuple[NDArray, NDArray]:
+        """Eigenvalues (N, n) and eigenvectors (N, n, n) of what dies out."""
+        rates, vectors = np.linalg.eig(self.A)
+        return rates, vectors
 
     def velocity_form(self) -> tuple[Array, Array, Array, Array]:
         """A, B, Y and D over x, and what integrates behind it."""
@@ -284,8 +291,7 @@ def _driven(A: Array, B: Array, C: Array, D: Array) -> tuple[Parted, Array]:
     """A system driven by the rate of the heights, in parts, and its direct feedthrough."""
     parts = parted(A, B, C)
     # What a closed loop leaves of a zero is no feedthrough: it is small beside what the states pass on at once.
-    fastest = np.abs(np.linalg.eigvals(parts.A)).max(initial=0.0)
-    passed = np.abs(parts.C) @ np.abs(parts.B) / fastest if fastest else 0.0
+    passed = np.abs(parts.C) @ np.abs(parts.B) / parts.fastest if parts.fastest else 0.0
     terms = np.abs(D).max(axis=1, keepdims=True) + passed
     return parts, np.where(beyond_rounding(D, terms), D, 0.0)
 
@@ -310,7 +316,8 @@ def _relative(A: Array, B: Array, C: Array, D: Array) -> tuple[Parted, Array]:
     seen = felt @ rows.T
     seen = np.where(np.abs(seen) > CARRIED * sizes, seen, 0.0)
     basis = parts.basis[:, : len(parts.A)]
-    return Parted(parts.A, static, parts.C, rows, seen, np.pad(basis, [(0, 0), (0, len(rows))]), parts.unseen), 0.0 * D
+    basis = np.pad(basis, [(0, 0), (0, len(rows))])
+    return parts._replace(B=static, rows=rows, seen=seen, basis=basis), np.zeros_like(D)
 
 
 def _growing(growing: Growing, states: Sequence[str], outputs: Sequence[str]) -> str:

@@ -35,7 +35,7 @@ class Parted(NamedTuple):
     """``x' = A x + B u`` dies out, ``h' = rows u`` integrates, ``y = C x + seen h + D u``, of one system.
 
     ``basis`` (states, x and h) takes both back to the system's own states, ``unseen`` (states, j) spans in balanced
-    coordinates what no output sees.
+    coordinates what no output sees, and ``fastest`` is the modulus of the fastest mode.
     """
 
     A: Array
@@ -45,6 +45,7 @@ class Parted(NamedTuple):
     seen: Array
     basis: Array
     unseen: Array
+    fastest: float
 
 
 class Growing(Exception):
@@ -91,18 +92,19 @@ def parted(A: Array, B: Array, C: Array) -> Parted:
     columns = np.linalg.norm(whole.B, axis=0)
     rates = np.linalg.eigvals(balanced)
     fastest = float(np.abs(rates).max())
-    lively, slow = _divided(whole, rates, SLOW * fastest)
-    slow, unseen = _without_unseen(slow, fastest)
-    rates = np.linalg.eigvals(slow.A)
-    creeping, still = _divided(slow, rates, STILL * fastest)
-    lively = lively.beside(creeping) if len(creeping.A) else lively
-    _refuse_growing(still, fastest)
+    lively, still = _divided(whole, rates, SLOW * fastest)
+    unseen = still.basis
+    if len(still.A):
+        slow, unseen = _without_unseen(still, fastest)
+        creeping, still = _divided(slow, np.linalg.eigvals(slow.A), STILL * fastest)
+        lively = lively.beside(creeping)
+        _refuse_growing(still, fastest)
 
     # What the splitting leaves of a zero would grow without bound at low frequency.
     left_over = np.maximum(SEEN * np.abs(still.B).max(axis=1, initial=0.0)[:, None], ROUNDING * columns)
     rows = np.where(np.abs(still.B) > left_over, still.B, 0.0)
     basis = scale[:, None] * np.hstack([lively.basis, still.basis])
-    return Parted(lively.A, lively.B, sizes * lively.C, rows, sizes * still.C, basis, unseen)
+    return Parted(lively.A, lively.B, sizes * lively.C, rows, sizes * still.C, basis, unseen, fastest)
 
 
 def _divided(system: _Block, rates: Array, bound: float) -> tuple[_Block, _Block]:

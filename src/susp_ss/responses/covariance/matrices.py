@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from ...roads.colours import colours
 from ...roads.road import Road
-from ...vehicles.contract import Model, RoadVehicle
+from ...vehicles.contract import RoadVehicle
+from ...vehicles.linear import LinearModel
 from ...vehicles.parameters import DesignSpace
 from ...vehicles.second_order import SecondOrder
 from ...vehicles.vehicle import Vehicle
@@ -142,9 +143,9 @@ def _second_order(model: SecondOrder, N: int) -> System:
     return System(dynamics, inputs, np.concatenate([1.0 / root, 1.0 / root], axis=-1))
 
 
-def _first_order(model: Model) -> System:
+def _first_order(model: LinearModel) -> System:
     n = model.A.shape[-1]
-    return System(Modal(model.A), model.velocity_form()[1][..., :n, :], np.ones(n))
+    return System(Modal(model.A, *model.modes), model.velocity_form()[1][..., :n, :], np.ones(n))
 
 
 def _solved(vehicle: RoadVehicle, model: Any, road: Road, N: int) -> Moments:

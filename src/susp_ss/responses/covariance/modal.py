@@ -19,23 +19,24 @@ Array = NDArray[np.float64]
 # Eigenvectors with a condition above this cost more than five digits of a function of A.
 PARALLEL = 1e5
 
+# A step of refinement that changes less than this has found rounding only.
+REFINED = 1e-13
+
 
 class Modal:
-    """Free dynamics ``x' = A x``, A (N, n, n), balanced, every eigenvalue in the open left half plane."""
+    """Free dynamics ``x' = A x``, A (N, n, n), balanced, every eigenvalue in the open left half plane.
 
-    def __init__(self, A: Array):
-        self.A = A
-        rates, V = np.linalg.eig(A)
-        # The triangle of V tells where it cannot be inverted, and is replaced there.
-        Q, R = np.linalg.qr(V)
-        pivots = np.abs(np.einsum("...ii->...i", R))
-        self.parallel = pivots.min(axis=-1) < pivots.max(axis=-1) / PARALLEL
-        R = np.where(self.parallel[:, None, None], np.eye(A.shape[-1]), R)
-        W = np.linalg.solve(R, Q.conj().mT)
-        sizes = np.linalg.norm(V, axis=(-2, -1)) * np.linalg.norm(W, axis=(-2, -1))
-        self.parallel |= sizes > PARALLEL * A.shape[-1]
-        self.rates, self.V, self.W = rates, V, W
-        self.one_by_one = np.flatnonzero(self.parallel)
+    The eigenvalues are ``rates`` (N, n), the eigenvectors the columns of ``V`` (N, n, n).
+    """
+
+    def __init__(self, A: Array, rates: NDArray, V: NDArray):
+        eye = np.eye(A.shape[-1])
+        # An exact zero would stop the inversion; how near to zero a determinant is, the condition tells.
+        singular = ~np.isfinite(np.linalg.slogdet(V)[1])
+        W = np.linalg.inv(np.where(singular[:, None, None], eye, V) if singular.any() else V)
+        condition = np.linalg.norm(V, axis=(-2, -1)) * np.linalg.norm(W, axis=(-2, -1))
+        self.A, self.rates, self.V, self.W = A, rates, V, W
+        self.one_by_one = np.flatnonzero(singular | ~(condition < PARALLEL * len(eye)))
 
     def _of_modes(self, values: Any, x: Any) -> Array:
         """``V diag(values) W x``, the function of A that has these values at its eigenvalues."""
@@ -70,13 +71,18 @@ class Modal:
     def lyapunov(self, Q: Array) -> tuple[Array, Array]:
         """Solve ``A X + X A^T + Q = 0`` for symmetric Q (N, n, n).
 
-        Returns X (N, n, n), refined once, and its relative error (N,): what a second step would still change.
+        Returns X (N, n, n), refined until a step changes rounding only, or twice, and how much the last step changed it,
+        (N,), relative to its largest entries.
         """
         X = self._lyapunov(Q)
-        X = X + self._lyapunov(self._residual(X, Q))
-        change = self._lyapunov(self._residual(X, Q))
-        largest = np.abs(X).max(axis=(-2, -1))
-        error = np.divide(np.abs(change).max(axis=(-2, -1)), largest, out=np.zeros_like(largest), where=largest > 0.0)
+        for _ in range(2):
+            change = self._lyapunov(self._residual(X, Q))
+            X = X + change
+            largest = np.abs(X).max(axis=(-2, -1))
+            change = np.abs(change).max(axis=(-2, -1))
+            error = np.divide(change, largest, out=np.zeros_like(largest), where=largest > 0.0)
+            if (error < REFINED).all():
+                break
         return X, error
 
     def _residual(self, X: Array, Q: Array) -> Array:
