@@ -474,25 +474,23 @@ def _named_like(system: control.StateSpace, like: RoadVehicle) -> control.StateS
     generic = [f"u[{i}]" for i in range(system.ninputs)]
     if system.input_labels != generic or not isinstance(like, Vehicle):
         return system
-    shape = system.noutputs, system.ninputs
-    wheels, fitting = len(like.wheels), []
+    shape, fitting = (system.noutputs, system.ninputs), []
     for form in ("displacement", "velocity"):
         for actuators in (False, True):
             try:
                 own = like.state_space(form, actuators)  # type: ignore[arg-type]
             except ValueError:
                 continue
-            loads = [i for i, name in enumerate(own.output_labels) if name.startswith("dtl")]
-            if (own.noutputs, own.ninputs) == shape and np.allclose(
-                system.D[loads][:, :wheels], own.D[loads][:, :wheels], rtol=1e-6, atol=1e-9
-            ):
+            if (own.noutputs, own.ninputs) == shape:
                 fitting.append(own)
-    if len(fitting) != 1:
+    if not fitting:
         raise ValueError(
             f"LinearVehicle(system=...) has no names, and {shape[0]} outputs from {shape[1]} inputs are not those of a "
             f"loop closed around {type(like).__name__}'s state_space(); name them, as control.ss(..., inputs=, outputs=)"
         )
-    (own,) = fitting
+    # Where both forms exist, tyres pass heights straight on to their loads, and rates not at all, whatever actuators do.
+    loads = [name.startswith("dtl") for name in fitting[0].output_labels]
+    own = min(fitting, key=lambda own: np.abs(system.D - own.D)[loads, : len(like.wheels)].max())
     same = system.nstates == own.nstates
     return control.ss(
         system.A,

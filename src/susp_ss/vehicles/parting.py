@@ -131,8 +131,7 @@ def _divided(system: _Block, rates: Array, bound: float) -> tuple[_Block, _Block
 def _without_unseen(system: _Block, fastest: float) -> tuple[_Block, Array]:
     """Leave out the directions that no output sees, at once or later; they are returned."""
     n = len(system.A)
-    directions = np.linalg.norm(system.basis, axis=0)
-    seen, frontier = np.zeros((n, 0)), (system.C / np.maximum(directions, 1.0)).T
+    seen, frontier = np.zeros((n, 0)), system.C.T / max(1.0, float(np.linalg.norm(system.basis, ord=2)))
     while frontier.size:
         frontier = frontier - seen @ (seen.T @ frontier)
         U, s, _ = np.linalg.svd(frontier, full_matrices=False)
