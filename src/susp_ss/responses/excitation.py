@@ -125,3 +125,19 @@ def infinite_outputs(model: Model, excited: list[Process], road: Road) -> NDArra
     weights = np.stack([side for process in excited for side in (process.now, process.later)], axis=-1)
     passed_on, terms = model.on_road_velocity @ weights, np.abs(model.on_road_velocity) @ np.abs(weights)
     return np.any(beyond_rounding(passed_on, terms), axis=-1) & (road.waviness <= 3.0)
+
+
+def vanishing_outputs(model: Model, excited: list[Process]) -> NDArray[np.bool_]:
+    """Outputs (designs..., outputs) that no process moves, as what each wheel does to them cancels: by symmetry.
+
+    It does so at every frequency, of which a few between the slowest and the fastest mode tell.
+    """
+    rates = np.abs(np.linalg.eigvals(model.A))
+    H = model.relative_transfer(np.geomspace(rates.min(), rates.max(), 5))
+    still = np.ones((*H.shape[:-3], H.shape[-2]), dtype=bool)
+    for process in excited:
+        for side in (process.now, process.later):
+            still &= np.all(np.abs(H @ side) <= DRIFT * (np.abs(H) @ np.abs(side)), axis=-2)
+        for rate in integrated(model, process):
+            still &= (model.on_integrators @ rate[..., None])[..., 0] == 0.0
+    return still

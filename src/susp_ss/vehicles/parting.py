@@ -17,9 +17,9 @@ from .second_order import ROUNDING
 
 Array = NDArray[np.float64]
 
-# Modes that decay this slowly, relative to the fastest mode, are looked at one by one: double and triple integrators that
-# no output sees are that far from zero after rounding.
-SLOW = 1e-5
+# Modes that decay this slowly, relative to the fastest mode, are looked at one by one: chains of integrators that no
+# output sees are that far from zero after rounding.
+SLOW = 1e-3
 
 # A rate no larger than this, relative to the fastest mode's, is zero.
 STILL = 1e-10

@@ -25,9 +25,10 @@ from numpy.typing import NDArray
 
 from ...roads.colours import colours
 from ...roads.road import Road
+from ...vehicles.contract import Model
 from ...vehicles.parameters import DesignSpace
 from ...vehicles.vehicle import Vehicle
-from ..excitation import check_stationary, delay, infinite_outputs, processes
+from ..excitation import Process, check_stationary, delay, infinite_outputs, processes, vanishing_outputs
 from . import polynomials
 from .compiler import compiler_found
 from .matrices import BATCH, batches, lost_digits, moments
@@ -75,14 +76,17 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             list(pool.map(lambda block: solve(block, polynomials_numba), others))
     by_matrices = np.flatnonzero(left)
-    if len(by_matrices) >= MANY and compiler_found():
+    if len(by_matrices) >= MANY and flat.select(slice(0, 1)).assemble().second_order and compiler_found():
         by_matrices = _compiled(flat, road, by_matrices, variances)
     for chosen in batches(by_matrices, BATCH):
         model, X, error, infinite = moments(flat, space, road, chosen, LOST)
         Y = model.velocity_form()[2]
         variance = np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
         terms = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0))) ** 2
-        values, lost = _sound(variance, terms, error, infinite)
+        if model.second_order:
+            values, lost = _sound(variance, terms, error, infinite)
+        else:
+            values, lost = _seen(variance, terms, error, infinite, model, processes(flat, road))
         if lost.any():
             raise lost_digits(flat, space, int(chosen[np.argmax(lost)]))
         variances[:, chosen] = values.T
@@ -99,6 +103,18 @@ def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.boo
     zero = (variance <= 10.0 * np.maximum(noise, np.finfo(float).eps * terms)) & sound[:, None]
     lost = np.any(~infinite & ~(noise <= LOST * variance), axis=-1) & ~sound
     return np.where(infinite, np.inf, np.where(zero, 0.0, variance)), lost
+
+
+def _seen(
+    variance: Array, terms: Array, error: Array, infinite: NDArray[np.bool_], model: Model, excited: list[Process]
+) -> tuple[Array, NDArray[np.bool_]]:
+    """The same of any linear system, in whose states large variances that no output sees may cancel as by symmetry."""
+    noise = np.maximum(error[:, None], np.finfo(float).eps) * terms
+    kept = infinite | (noise <= LOST * variance)
+    if not kept.all():
+        still = vanishing_outputs(model, excited)
+        variance, kept = np.where(still, 0.0, variance), kept | still
+    return np.where(infinite, np.inf, variance), ~np.all(kept, axis=-1)
 
 
 def _compiled(flat: Vehicle, road: Road, designs: NDArray[np.int_], variances: Array) -> NDArray[np.int_]:
