@@ -69,7 +69,9 @@ def test_frequency_and_time_responses(name, form):
     kerb = np.where(time > 0.3, 0.04, 0.0) * np.linspace(0.5, 1.0, len(vehicle.wheels))[:, None]
     own, other = (ss.simulate(car, kerb, time) for car in (vehicle, linear))
     for variable in other:
-        np.testing.assert_allclose(other[variable], own[variable], rtol=1e-7, atol=1e-8 * float(abs(own[variable]).max()))
+        np.testing.assert_allclose(
+            other[variable], own[variable], rtol=1e-7, atol=1e-8 * float(abs(own[variable]).max())
+        )
 
 
 @pytest.mark.parametrize("name", VEHICLES)
@@ -143,10 +145,12 @@ def test_a_loop_that_lost_its_names_is_known_by_its_feedthrough():
         gain[-corners:, -corners:] = -200.0 * np.eye(corners)
         closed = ct.feedback(plant, ct.ss([], [], [], gain))
         assert closed.input_labels[0] == "u[0]"
-        harder = vehicle.replaced(**{
-            f"cs_{wheel}" if wheel else "cs": cs + 200.0
-            for wheel, cs in zip(vehicle.wheels, vehicle.at_wheels("cs"), strict=True)
-        })
+        harder = vehicle.replaced(
+            **{
+                f"cs_{wheel}" if wheel else "cs": cs + 200.0
+                for wheel, cs in zip(vehicle.wheels, vehicle.at_wheels("cs"), strict=True)
+            }
+        )
         road = ss.Road(tracks="isotropic")
         ours, expected = ss.ride_metrics(ss.LinearVehicle(closed, like=vehicle), road), ss.ride_metrics(harder, road)
         assert_alike(ours.drop_vars("damper_power"), expected.drop_vars("damper_power"), 1e-9, 1e-7)
@@ -248,9 +252,7 @@ def variances_by_integration(vehicle, system, road):
     G = (2 * np.pi * f) ** 2 * road.psd(f / road.speed) / road.speed
     late = np.exp(-s * vehicle.wheelbase / road.speed)
     sees = {"fr": (1, 0), "fl": (0, 1), "rr": (late, 0), "rl": (0, late)}
-    right, left = (
-        sum(H[:, i] * sees[wheel][side] for i, wheel in enumerate(vehicle.wheels)) for side in (0, 1)
-    )
+    right, left = (sum(H[:, i] * sees[wheel][side] for i, wheel in enumerate(vehicle.wheels)) for side in (0, 1))
     gamma = {"identical": 1.0, "independent": 0.0}[road.tracks]
     S = np.abs(right) ** 2 + np.abs(left) ** 2 + 2.0 * gamma * (right * left.conj()).real
     return np.trapezoid(S * G * f, u, axis=-1)
@@ -260,7 +262,9 @@ def random_system(seed, n):
     rng = np.random.default_rng(seed)
     A = 20.0 * rng.standard_normal((n, n))
     A -= (np.linalg.eigvals(A).real.max() + rng.uniform(1.0, 20.0)) * np.eye(n)
-    return wheeled(A, rng.standard_normal((n, 4)), rng.standard_normal((3, n)), np.zeros((3, 4)), ["one", "two", "three"])
+    return wheeled(
+        A, rng.standard_normal((n, 4)), rng.standard_normal((3, n)), np.zeros((3, 4)), ["one", "two", "three"]
+    )
 
 
 @given(

@@ -75,6 +75,8 @@ def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks",
     [-0.5, 0.5]
     """
     check_kinds(vehicle, road)
+    if not vehicle.quantities():
+        raise TypeError(f"sensitivity needs a vehicle with parameters, such as QuarterCar(), got {briefly(vehicle)}")
     known = settable(vehicle)
     if not road.cutoff:
         del known["cutoff"]

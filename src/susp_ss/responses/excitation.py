@@ -71,6 +71,11 @@ def processes(vehicle: RoadVehicle, road: Road) -> list[Process]:
     if road.tracks == "identical" or not side.any():
         return [process(excited, 1.0, 0)]
     sign = 1 if road.tracks == "isotropic" else 0
+    if sign and not np.all(np.asarray(vehicle.track_width) > 0.0):
+        raise ValueError(
+            f"isotropic tracks need the track width of the vehicle, and this {type(vehicle).__name__} has none; pass "
+            "LinearVehicle(track_width=...) > 0 m"
+        )
     return [process(excited, 0.5, sign), process(side * excited, 0.5, -sign)]
 
 

@@ -111,9 +111,7 @@ def psd(vehicle: Vehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     return result
 
 
-def output_density(
-    vehicle: Vehicle, model: Model, road: Road, f: NDArray, interference: ArrayLike = 1.0
-) -> NDArray:
+def output_density(vehicle: Vehicle, model: Model, road: Road, f: NDArray, interference: ArrayLike = 1.0) -> NDArray:
     """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs).
 
     ``interference`` (F,) weighs the cross term of front and rear wheels, which turns with the delay.
@@ -129,7 +127,9 @@ def output_density(
         if process.sign:
             apart = road.incoherence(f / road.speed, width)
             share = 0.5 * (apart if process.sign < 0 else 2.0 - apart)
-        at_once, drift = ((model.on_integrators @ rate[..., None])[..., None, :, 0] for rate in integrated(model, process))
+        at_once, drift = (
+            (model.on_integrators @ rate[..., None])[..., None, :, 0] for rate in integrated(model, process)
+        )
         now = H @ process.now + at_once / s
         later = lag[..., None] * (H @ process.later + (drift - at_once) / s)
         # The sum first: at low frequency a warp of either axle is large and nearly cancels the other's.

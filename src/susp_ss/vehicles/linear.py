@@ -14,7 +14,7 @@ from ..quantities import DIMS, SIGNALS, Quantity, briefly, signal
 from .contract import RoadVehicle
 from .linkage import Wheel
 from .parameters import DesignSpace
-from .parting import SEEN, Growing, Parted, parted
+from .parting import Growing, Parted, parted
 from .second_order import CARRIED, Layout, Outputs, Row, beyond_rounding
 from .vehicle import Vehicle
 
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 HEIGHT, RATE = "z_r", "dz_r"
+
+# A state of which no larger share than this is left out with what no output sees has a covariance.
+LEFT_OUT = 1e-6
 
 KNOWN_WHEELS = {
     frozenset({""}): {"": Wheel(0, 0)},
@@ -217,7 +220,9 @@ class LinearVehicle(RoadVehicle):
                 parts.append((_relative if by_height else _driven)(*matrices))
             except Growing as growing:
                 raise ValueError(_growing(growing, states, known.outputs.names) + self._space.place(i)) from None
-        self._model = _stacked(parts, known, tuple(f"p_{name}" for name in states) if by_height else tuple(states), damping)
+        self._model = _stacked(
+            parts, known, tuple(f"p_{name}" for name in states) if by_height else tuple(states), damping
+        )
 
     def __repr__(self) -> str:
         n, outputs = self._model.states.shape[-2], len(self._model.layout.outputs)
@@ -291,8 +296,7 @@ def _driven(A: Array, B: Array, C: Array, D: Array) -> tuple[Parted, Array]:
     """A system driven by the rate of the heights, in parts, and its direct feedthrough."""
     parts = parted(A, B, C)
     # What a closed loop leaves of a zero is no feedthrough: it is small beside what the states pass on at once.
-    passed = np.abs(parts.C) @ np.abs(parts.B) / parts.fastest if parts.fastest else 0.0
-    terms = np.abs(D).max(axis=1, keepdims=True) + passed
+    terms = np.abs(D).max(axis=1, keepdims=True) + np.abs(parts.C) @ np.abs(parts.B) / parts.fastest
     return parts, np.where(beyond_rounding(D, terms), D, 0.0)
 
 
@@ -305,7 +309,9 @@ def _relative(A: Array, B: Array, C: Array, D: Array) -> tuple[Parted, Array]:
     reached = np.abs(parts.rows).max(axis=1, initial=0.0) > 0.0
     if reached.any():
         first = int(np.argmax(reached))
-        state, output = (int(np.abs(column).argmax()) for column in (parts.basis[:, len(parts.A) + first], parts.seen[:, first]))
+        state, output = (
+            int(np.abs(column).argmax()) for column in (parts.basis[:, len(parts.A) + first], parts.seen[:, first])
+        )
         raise Growing(0.0, state, output)
     static = np.linalg.solve(parts.A, parts.B)
     felt, terms = D - parts.C @ static, np.abs(D) + np.abs(parts.C) @ np.abs(static)
@@ -328,10 +334,12 @@ def _growing(growing: Growing, states: Sequence[str], outputs: Sequence[str]) ->
     )
 
 
-def _stacked(parts: Sequence[tuple[Parted, Array]], layout: Layout, names: tuple[str, ...], damping: Array) -> LinearModel:
+def _stacked(
+    parts: Sequence[tuple[Parted, Array]], layout: Layout, names: tuple[str, ...], damping: Array
+) -> LinearModel:
     """The model of all designs: what one has fewer states of gets states that nothing reaches and nothing sees."""
-    n, k = max(len(one.A) for one, _ in parts), max(len(one.rows) for one, _ in parts)
-    kept = ~np.any([np.linalg.norm(one.unseen, axis=1) > SEEN for one, _ in parts], axis=0)
+    n, k = max(1, *(len(one.A) for one, _ in parts)), max(len(one.rows) for one, _ in parts)
+    kept = ~np.any([np.linalg.norm(one.unseen, axis=1) > LEFT_OUT for one, _ in parts], axis=0)
 
     def filled(name: str, rows: int, columns: int) -> Array:
         stack = np.zeros((len(parts), rows, columns))
@@ -372,11 +380,11 @@ def _check_system(system: Any) -> None:
             hint = "; pass its .linearize(...)"
         raise TypeError(f"{where} must be a control.StateSpace, got {briefly(system)}{hint}")
     if system.isdtime(strict=True):
-        raise ValueError(f"{where} must be in continuous time, got one of step {system.dt}; pass the system it came from")
-    if not system.nstates or not system.noutputs:
         raise ValueError(
-            f"{where} needs states and outputs, got {system.nstates} states and {system.noutputs} outputs"
+            f"{where} must be in continuous time, got one of step {system.dt}; pass the system it came from"
         )
+    if not system.nstates or not system.noutputs:
+        raise ValueError(f"{where} needs states and outputs, got {system.nstates} states and {system.noutputs} outputs")
     for name in "ABCD":
         if not np.isfinite(getattr(system, name)).all():
             raise ValueError(f"{where} must be finite, got NaN or inf in {name}")
@@ -454,7 +462,9 @@ def _table(
     for name, places in variables.items():
         if "" in places and len(places) > 1:
             other = signal(name, max(places))
-            raise ValueError(f"LinearVehicle(system=...) has outputs {name!r} and {other!r}; give both a place, or neither")
+            raise ValueError(
+                f"LinearVehicle(system=...) has outputs {name!r} and {other!r}; give both a place, or neither"
+            )
     return tuple(sorted(rows, key=lambda row: not row.public)), damping
 
 

@@ -91,7 +91,7 @@ def parted(A: Array, B: Array, C: Array) -> Parted:
     whole = _Block(balanced, B / scale[:, None], C * scale / sizes, np.eye(len(A)))
     columns = np.linalg.norm(whole.B, axis=0)
     rates = np.linalg.eigvals(balanced)
-    fastest = float(np.abs(rates).max())
+    fastest = float(np.abs(rates).max() or np.linalg.norm(balanced) or 1.0)
     lively, still = _divided(whole, rates, SLOW * fastest)
     unseen = still.basis
     if len(still.A):
@@ -137,7 +137,7 @@ def _without_unseen(system: _Block, fastest: float) -> tuple[_Block, Array]:
         U, s, _ = np.linalg.svd(frontier, full_matrices=False)
         frontier = U[:, s > SEEN]
         seen = np.hstack([seen, frontier])
-        frontier = system.A.T @ frontier / fastest if fastest else frontier[:, :0]
+        frontier = system.A.T @ frontier / fastest
     unseen = scipy.linalg.null_space(seen.T) if seen.shape[1] else np.eye(n)
     return system.along(seen, seen.T), system.basis @ unseen
 
