@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import susp_ss as ss
 from models import ROADS, UNEQUAL, VEHICLES, WHEEL_ROADS
-from susp_ss.vehicles.linkage import Link, Motion
+from susp_ss.vehicles.linkage import Link
 
 FORMS = ("displacement", "velocity")
 
@@ -26,7 +26,7 @@ def system_of(vehicle, form, actuators=False):
 def assert_alike(ours, other, rtol, atol=1e-9):
     assert list(ours) == list(other)
     for name, data in other.items():
-        assert ours[name].dims == data.dims and ours[name].attrs["units"] == data.attrs["units"], name
+        assert (ours[name].dims, ours[name].attrs["units"]) == (data.dims, data.attrs["units"]), name
         for dim in data.dims:
             np.testing.assert_array_equal(ours[name][dim], data[dim])
         np.testing.assert_allclose(ours[name], data, rtol=rtol, atol=atol, err_msg=str(name))
@@ -60,7 +60,8 @@ def test_frequency_and_time_responses(name, form):
     linear = ss.LinearVehicle(system_of(vehicle, form), like=vehicle)
     frequency, time = np.geomspace(0.02, 60.0, 30), np.arange(0.0, 2.0, 0.004)
     own, other = (ss.frequency_response(car, frequency) for car in (vehicle, linear))
-    assert own.output.equals(other.output) and own.input.equals(other.input)
+    assert own.output.equals(other.output)
+    assert own.input.equals(other.input)
     scale = np.abs(own).max("frequency").values[..., None]
     np.testing.assert_allclose(other.values / scale, own.values / scale, rtol=0.0, atol=1e-9)
     road = ss.Road(tracks="isotropic")
@@ -203,7 +204,7 @@ def test_what_feels_the_height_of_the_road_is_refused_by_name_or_bounded_by_a_cu
     closed = ct.interconnect([plant, law], inputs=["z_r"], outputs=["bacc", "sws", "dtl"])
     vehicle = ss.LinearVehicle(closed, like=car)
     for method in ("covariance", "spectral", "time"):
-        with pytest.raises(ValueError, match="^sws feels the height of the road"):
+        with pytest.raises(ValueError, match=r"^sws feels the height of the road"):
             ss.ride_metrics(vehicle, ss.Road(), method=method)
     road = ss.Road(cutoff=0.02)
     exact = ss.ride_metrics(vehicle, road)
@@ -322,7 +323,7 @@ def test_many_systems_are_designs(tracks):
     A[:6, :6] = random_system(9, 6).A
     B = np.vstack([random_system(9, 6).B, [1.0, -1.0, -1.0, 1.0]])
     systems.append(wheeled(A, B, systems[0].C, np.zeros((3, 4)), systems[0].output_labels))
-    one = dict(wheels=car.wheels, wheelbase=car.wheelbase, track_width=car.track_width)
+    one = {"wheels": car.wheels, "wheelbase": car.wheelbase, "track_width": car.track_width}
     many, road = ss.LinearVehicle(systems, **one), ss.Road(tracks=tracks)
     together = ss.ride_metrics(many, road)
     assert together.one.dims == ("design",)

@@ -1,7 +1,7 @@
 """A published multi-body car, linearised by differences, runs through as a linear vehicle.
 
-CommonRoad vehicle models 3.0.2 (TU Munich; Althoff, Koschi and Manzinger 2017): 29 states, a rigid body on two axles with
-compliant joints and magic-formula tyres, its parameters those of vehicle 2, a BMW 320i. z points down there.
+CommonRoad vehicle models 3.0.2 (TU Munich; Althoff, Koschi and Manzinger 2017): 29 states, a rigid body on two axles
+with compliant joints and magic-formula tyres, its parameters those of vehicle 2, a BMW 320i. z points down there.
 """
 
 import control as ct

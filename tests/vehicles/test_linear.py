@@ -104,7 +104,7 @@ WRONG = {
     "unstable": (
         lambda: ss.LinearVehicle(changed(PLANT, A=((12, 5), 900.0))),
         ValueError,
-        r"has a mode that does not die out \(rate [\d.+\-j]+ 1/s, mostly the state '\w+'\) and that the output '\w+' sees",
+        r"has a mode that does not die out \(rate [\d.+\-j]+ 1/s, mostly the state '\w+'\) and that the output '\w+'",
     ),
     "undamped": (
         lambda: ss.LinearVehicle(ss.QuarterCar(cs=0.0).state_space()),
@@ -176,8 +176,8 @@ def test_names_of_the_package_land_on_its_dims_others_on_their_own():
     metrics = ss.ride_metrics(vehicle, ss.Road())
     assert list(metrics) == ["bacc", "sws", "dtl", "roll_acc", "seat_force", "dsws"]
     assert metrics.bacc.point.values.tolist() == ["cg", "driver"]
-    assert metrics.sws.dims == ("corner",) and metrics.seat_force.dims == ()
-    assert metrics.bacc.attrs["units"] == "m/s^2" and metrics.seat_force.attrs["long_name"] == "RMS seat_force"
+    assert (metrics.sws.dims, metrics.seat_force.dims) == (("corner",), ())
+    assert (metrics.bacc.attrs["units"], metrics.seat_force.attrs["long_name"]) == ("m/s^2", "RMS seat_force")
 
 
 def test_wheels_by_their_usual_names_and_by_the_vehicle_that_it_is_like():

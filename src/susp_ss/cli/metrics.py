@@ -44,9 +44,9 @@ def run(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="State space in place of the model: JSON with A, B, C, D, inputs (z_r_fr ... in m, or dz_r_fr ... in m/s) "
-            "and outputs (bacc_cg, sws_fr, any name), or a .mat of the same. Its wheels are the vehicle's, or its own "
-            "(wheels, wheelbase, track_width).",
+            help="State space in place of the model: JSON with A, B, C, D, inputs (z_r_fr ... in m, or dz_r_fr ... in "
+            "m/s) and outputs (bacc_cg, sws_fr, any name), or a .mat of the same. Its wheels are the vehicle's, or its "
+            "own (wheels, wheelbase, track_width).",
             show_default=False,
         ),
     ] = None,

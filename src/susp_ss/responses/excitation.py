@@ -16,7 +16,6 @@ from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.second_order import beyond_rounding
 
-
 # Rates of what integrates that are no larger than this, relative to their terms, are what splitting them off leaves.
 DRIFT = 1e-9
 

@@ -1,15 +1,15 @@
 """What every other room may ask of a vehicle, whatever it is made of.
 
 A vehicle runs on named wheels, spans designs, and assembles to a model of them. Models of masses and links
-(`SecondOrder`) and of any state space (`LinearModel`) answer the same questions; what a fast way needs beyond them, such
-as K and C, the model states itself.
+(`SecondOrder`) and of any state space (`LinearModel`) answer the same questions; what a fast way needs beyond them,
+such as K and C, the model states itself.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, Protocol, Self
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ class Model(Protocol):
     Arrays have the shape (designs..., rows, columns). Outputs are ``y = Y x + on_integrators h + on_road_velocity w``.
     """
 
-    second_order: bool
+    second_order: ClassVar[bool]
     """Whether it has K and C, whose structure a faster solution of the covariance equation needs."""
 
     @property
@@ -93,7 +93,10 @@ class Model(Protocol):
 class RoadVehicle(ABC):
     """Anything on wheels that a road excites: one design, or a sweep of them."""
 
-    wheels: Mapping[str, Wheel]
+    @property
+    @abstractmethod
+    def wheels(self) -> Mapping[str, Wheel]:
+        """Where each wheel runs, by its name."""
 
     @property
     @abstractmethod

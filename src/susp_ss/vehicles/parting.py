@@ -1,7 +1,7 @@
 """A linear system parted into what dies out, what integrates and what no output sees.
 
-Variances need every mode that an output sees to die out, but for integrators whose input the road may bound (the warp of
-the ground under four wheels). Systems as people have them hold more: a yaw angle, the integrator of a disturbance.
+Variances need every mode that an output sees to die out, but for integrators whose input the road may bound (the warp
+of the ground under four wheels). Systems as people have them hold more: a yaw angle, the integrator of a disturbance.
 All decisions are made in balanced coordinates, in which the sizes of states can be compared, by stated tolerances.
 """
 
@@ -107,7 +107,7 @@ def parted(A: Array, B: Array, C: Array) -> Parted:
     return Parted(lively.A, lively.B, sizes * lively.C, rows, sizes * still.C, basis, unseen, fastest)
 
 
-def _divided(system: _Block, rates: Array, bound: float) -> tuple[_Block, _Block]:
+def _divided(system: _Block, rates: NDArray, bound: float) -> tuple[_Block, _Block]:
     """Split a system with these eigenvalues into what decays faster than ``bound``, and the rest."""
     n = len(system.A)
     # The bound moves into the widest gap near it, where rounding takes no eigenvalue across.

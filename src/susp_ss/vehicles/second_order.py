@@ -255,7 +255,8 @@ class SecondOrder:
     def relative_transfer(self, omega: Array) -> Array:
         """Outputs per road VELOCITY at angular frequencies ``omega`` (F,), as (designs..., F, outputs, inputs).
 
-        The static warp, which grows as ``1/s``, is left out. With ``D = K + s C + s^2 M`` and ``s = j w``, the road-relative positions solve ``D p = C_in - C G - s M G`` and
+        The static warp, which grows as ``1/s``, is left out.
+        With ``D = K + s C + s^2 M`` and ``s = j w``, the road-relative positions solve ``D p = C_in - C G - s M G`` and
         the velocities ``D v = K_in + s C_in``: either right-hand side alone would lose the other's digits at one
         end of the frequency axis.
         """

@@ -1,6 +1,7 @@
 """State spaces from files: matrices and names of signals, as JSON or as MATLAB writes them.
 
-A file holds ``A``, ``B``, ``C``, ``inputs`` and ``outputs``; ``D`` where it is not zero, ``states`` where they have names.
+A file holds ``A``, ``B``, ``C``, ``inputs`` and ``outputs``; ``D`` where it is not zero, ``states`` where they have
+names.
 Where the wheels run is told by ``wheels``, ``wheelbase`` and ``track_width``, or by a vehicle that it is like::
 
     {"A": [[-2.0]], "B": [[1.0]], "C": [[1.0]], "inputs": ["dz_r"], "outputs": ["bacc"]}
@@ -103,7 +104,7 @@ def _matrix(key: str, value: Any, shape: tuple[int, int]) -> np.ndarray:
     # A matrix of one row or column may come as a row of numbers.
     if matrix.shape != shape and not (matrix.ndim < 2 and matrix.size == shape[0] * shape[1] and 1 in shape):
         raise ValueError(
-            f"{key} must have shape {shape} (from the size of A and the numbers of inputs and outputs), got {matrix.shape}"
+            f"{key} must have shape {shape} (by the size of A and the names of inputs and outputs), got {matrix.shape}"
         )
     return matrix.reshape(shape)
 

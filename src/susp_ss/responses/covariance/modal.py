@@ -71,8 +71,8 @@ class Modal:
     def lyapunov(self, Q: Array) -> tuple[Array, Array]:
         """Solve ``A X + X A^T + Q = 0`` for symmetric Q (N, n, n).
 
-        Returns X (N, n, n), refined until a step changes rounding only, or twice, and how much the last step changed it,
-        (N,), relative to its largest entries.
+        Returns X (N, n, n), refined until a step changes rounding only, or twice, and how much the last step changed
+        it, (N,), relative to its largest entries.
         """
         X = self._lyapunov(Q)
         for _ in range(2):
