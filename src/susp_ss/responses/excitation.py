@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..quantities import briefly
 from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
+from ..vehicles.parameters import DesignSpace, computed
 from ..vehicles.second_order import beyond_rounding
 
 # Rates of what integrates that are no larger than this, relative to their terms, are what splitting them off leaves.
@@ -45,6 +46,17 @@ def check_kinds(vehicle: Any, *roads: Any) -> None:
     for road in roads:
         if not isinstance(road, Road):
             raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {briefly(road)}")
+
+
+def design_space(vehicle: RoadVehicle, road: Road) -> DesignSpace:
+    """The designs that a vehicle and a road span together."""
+    return DesignSpace.over([*vehicle.leaves(), *road.leaves()], type(vehicle).__name__)
+
+
+def spanned(vehicle: RoadVehicle, road: Road) -> tuple[DesignSpace, Any, Road]:
+    """The designs that a vehicle and a road span together, and both with all of them in one row."""
+    space = design_space(vehicle, road)
+    return space, vehicle.flattened(space), road.mapped(lambda x: space.flat(computed(x)))
 
 
 def processes(vehicle: RoadVehicle, road: Road) -> list[Process]:
@@ -95,17 +107,17 @@ def check_stationary(vehicle: RoadVehicle, road: Road, model: Model) -> None:
     refusal = model.refusal()
     if refusal:
         raise ValueError(f"{type(vehicle).__name__} {refusal}")
-    if road.cutoff > 0.0:
+    if np.all(np.asarray(road.cutoff) > 0.0):
         return
     for process in processes(vehicle, road):
         at_once, drift = integrated(model, process)
         # Delayed independent tracks leave a difference whose spectrum still diverges from waviness 3 on.
-        diverges = (at_once != 0.0) & (road.waviness >= 3.0 and process.sign == 0)
+        diverges = (at_once != 0.0) & (road.slopes[0] >= 3.0 and process.sign == 0)
         which = np.any((drift != 0.0) | diverges, axis=tuple(range(drift.ndim - 1)))
         if which.any():
             raise ValueError(
                 f"{model.drifting(which)} ({road.describe()}); pass cutoff > 0, or let all wheels see a road of "
-                "waviness 2"
+                "waviness below 3"
             )
 
 
@@ -124,11 +136,13 @@ def integrated(model: Model, process: Process) -> tuple[NDArray[np.float64], NDA
 def infinite_outputs(model: Model, excited: list[Process], road: Road) -> NDArray[np.bool_]:
     """Outputs (designs..., outputs) that pass the road's velocity straight on, which has no finite variance.
 
-    It has one only where its spectrum falls off at high frequency, from waviness 3 on.
+    It has one only where its spectrum falls off at high frequency, from waviness 3 on or with a contact of some length.
     """
+    if road.velocity_is_bounded:
+        return np.zeros(model.on_road_velocity.shape[:-1], dtype=bool)
     weights = np.stack([side for process in excited for side in (process.now, process.later)], axis=-1)
     passed_on, terms = model.on_road_velocity @ weights, np.abs(model.on_road_velocity) @ np.abs(weights)
-    return np.any(beyond_rounding(passed_on, terms), axis=-1) & (road.waviness <= 3.0)
+    return np.any(beyond_rounding(passed_on, terms), axis=-1)
 
 
 def vanishing_outputs(model: Model, excited: list[Process]) -> NDArray[np.bool_]:

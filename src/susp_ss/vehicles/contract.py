@@ -114,6 +114,18 @@ class RoadVehicle(ABC):
         """Whether some parameter's values are computed later."""
 
     @abstractmethod
+    def leaves(self) -> list[Any]:
+        """Whatever spans designs: numbers, arrays or DataArrays."""
+
+    @abstractmethod
+    def mapped(self, function: Any) -> Self:
+        """The same with a function applied to every leaf, unchecked."""
+
+    @abstractmethod
+    def checked(self) -> Self:
+        """The same, its leaves checked."""
+
+    @abstractmethod
     def design_space(self) -> DesignSpace:
         """The designs that the vehicle spans."""
 

@@ -15,7 +15,7 @@ from ..quantities import Quantity, briefly, signal
 from .contract import RoadVehicle
 from .linear_model import LinearModel, driven, relative, stacked
 from .linkage import Wheel
-from .parameters import DesignSpace
+from .parameters import DesignSpace, computed
 from .parting import Growing
 from .second_order import Array, Layout, Outputs
 from .signals import HEIGHT, check_system, checked_wheels, length, named_like, output_table, road_inputs
@@ -108,7 +108,7 @@ class LinearVehicle(RoadVehicle):
         self._wheels = checked_wheels(wheels, tuple(heights))
         self._wheelbase = length("wheelbase", wheelbase)
         self._track_width = length("track_width", track_width)
-        self._space = DesignSpace.over([np.zeros(len(systems))] if several else (), type(self).__name__)
+        self._which: Any = np.arange(len(systems), dtype=float) if several else None
 
         rows, damping = output_table(outputs, self.wheels, like)
         order = [outputs.index(row.name) for row in rows]
@@ -121,14 +121,16 @@ class LinearVehicle(RoadVehicle):
             try:
                 parts.append((relative if by_height else driven)(*matrices))
             except Growing as growing:
-                raise ValueError(_growing(growing, states, known.outputs.names) + self._space.place(i)) from None
+                raise ValueError(
+                    _growing(growing, states, known.outputs.names) + (f" at (design={i})" if several else "")
+                ) from None
         self._model = stacked(
             parts, known, tuple(f"p_{name}" for name in states) if by_height else tuple(states), damping
         )
 
     def __repr__(self) -> str:
         n, outputs = self._model.states.shape[-2], len(self._model.layout.outputs)
-        many = f", {self._space.size} designs" if self._space.dims else ""
+        many = f", {len(self._which)} designs" if self._which is not None else ""
         return f"LinearVehicle({n} states, {outputs} outputs, wheels {', '.join(self.wheels) or 'one'}{many})"
 
     @property
@@ -151,22 +153,36 @@ class LinearVehicle(RoadVehicle):
         """No: matrices are in memory."""
         return False
 
-    def design_space(self) -> DesignSpace:
-        """One design, or one a system."""
-        return self._space
+    def leaves(self) -> list[Any]:
+        """The numbers of the systems, where there are several."""
+        return [] if self._which is None else [self._which]
 
-    def flattened(self, space: DesignSpace) -> LinearVehicle:
-        """The designs in one row, as they are."""
+    def mapped(self, function: Any) -> LinearVehicle:
+        """The same with a function applied to the numbers of the systems."""
+        return self if self._which is None else self._with(_which=function(self._which))
+
+    def checked(self) -> LinearVehicle:
+        """The same: its systems have been checked."""
         return self
 
+    def design_space(self) -> DesignSpace:
+        """One design, or one a system."""
+        return DesignSpace.over(self.leaves(), type(self).__name__)
+
+    def flattened(self, space: DesignSpace) -> LinearVehicle:
+        """The same designs in one row; the one system stands for all of them."""
+        return self if self._which is None else self.select(space.flat(computed(self._which)).astype(int))
+
     def select(self, designs: slice | NDArray[np.int_]) -> LinearVehicle:
-        """Some of the designs."""
-        if self._space.size == 1:
+        """Some of the designs of a flattened vehicle."""
+        if self._which is None:
             return self
-        some = object.__new__(type(self))
-        some.__dict__ |= self.__dict__
-        some._model = self._model.select(designs)
-        return some
+        return self._with(_which=self._which[designs], _model=self._model.select(designs))
+
+    def _with(self, **parts: Any) -> LinearVehicle:
+        other = object.__new__(type(self))
+        other.__dict__ |= self.__dict__ | parts
+        return other
 
     def assemble(self) -> LinearModel:
         """What dies out and what integrates."""
@@ -174,8 +190,8 @@ class LinearVehicle(RoadVehicle):
 
     def single(self, what: str) -> LinearModel:
         """The model of the one design, for a function that takes no more than one."""
-        if self._space.dims:
-            raise ValueError(f"LinearVehicle: {what} needs one system, got {self._space.size}")
+        if self._which is not None:
+            raise ValueError(f"LinearVehicle: {what} needs one system, got {len(self._which)}")
         return self._model
 
     def halves(self) -> tuple[Any, ...]:

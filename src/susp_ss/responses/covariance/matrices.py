@@ -22,7 +22,7 @@ from ...vehicles.linear import LinearModel
 from ...vehicles.parameters import DesignSpace
 from ...vehicles.second_order import SecondOrder
 from ...vehicles.vehicle import Vehicle
-from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, integrated, processes
+from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, integrated, processes, spanned
 from .first_order import Correlations, Spectrum
 from .lyapunov import Dynamics
 from .modal import Modal
@@ -38,11 +38,15 @@ BATCH = 256
 
 
 class Moments(NamedTuple):
-    """Matrices of a batch of designs, covariance (N, n + k, n + k) of (p, v) and what integrates, its error (N,)."""
+    """Matrices of a batch of designs, covariance (N, n + k, n + k) of (p, v) and what integrates, its error (N,).
+
+    ``through`` (N, outputs) is what a road velocity of finite variance adds where it is passed straight on.
+    """
 
     model: Any
     X: Array
     error: Array
+    through: Array
     infinite: NDArray[np.bool_]
 
 
@@ -57,7 +61,6 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     vehicle : Vehicle
         Parameters may be arrays; the designs are solved together.
     road : Road
-        Waviness 2.
 
     Returns
     -------
@@ -69,7 +72,7 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     Raises
     ------
     ValueError
-        Waviness other than 2, a design that is not asymptotically stable, or a warp without finite variance.
+        A design that is not asymptotically stable, or a warp without finite variance.
 
     Examples
     --------
@@ -83,8 +86,7 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     True
     """
     check_kinds(vehicle, road)
-    space = vehicle.design_space()
-    flat = vehicle.flattened(space)
+    space, flat, road = spanned(vehicle, road)
     solved = [moments(flat, space, road, chosen, LOST_MATRIX) for chosen in batches(np.arange(space.size), BATCH)]
     states = list(solved[0].model.layout.relative_states)
     X = np.concatenate([batch.model.in_states(batch.X) for batch in solved])
@@ -108,7 +110,7 @@ def lost_digits(flat: Vehicle, space: DesignSpace, design: int) -> ValueError:
 
 def moments(flat: Vehicle, space: DesignSpace, road: Road, chosen: NDArray[np.int_], lost: float) -> Moments:
     """Covariance of some designs of a flattened vehicle, each with an error below ``lost``."""
-    designs = flat.select(chosen)
+    whole, designs, road = road, flat.select(chosen), road.select(chosen)
     model = designs.assemble()
     check_stationary(flat, road, model)
     try:
@@ -118,7 +120,7 @@ def moments(flat: Vehicle, space: DesignSpace, road: Road, chosen: NDArray[np.in
         # A pivot of exactly zero has lost all digits, like one of rounding: whose it is, halving tells.
         if len(chosen) > 1:
             for half in np.array_split(chosen, 2):
-                moments(flat, space, road, half, lost)
+                moments(flat, space, whole, half, lost)
         raise lost_digits(flat, space, int(chosen[0])) from None
     beyond = ~(solved.error < lost)
     if beyond.any():
@@ -154,12 +156,13 @@ def _solved(vehicle: RoadVehicle, model: Any, road: Road, N: int) -> Moments:
     tau = np.broadcast_to(delay(vehicle, road), (N,))
     width = np.broadcast_to(vehicle.track_width, (N,)).astype(float)
 
-    Q = np.zeros((N, n, n))
+    Y, D = model.velocity_form()[2:]
+    Q, through = np.zeros((N, n, n)), np.zeros((N, Y.shape[-2]))
     with_drift, of_drift = np.zeros((N, n, k)), np.zeros((N, k, k))
     excited = processes(vehicle, road)
     for process in excited:
-        _, *parts = colours(road, process.share, process.sign, width)
-        spectrum = Spectrum(*parts)
+        terms = colours(road, process.share, process.sign, width)
+        spectrum = Spectrum(terms.white[:, :, None], terms.alphas, terms.weights)
         front, rear = (np.broadcast_to(inputs @ side, (N, n))[..., None] for side in (process.now, process.later))
         free, forced = front, np.zeros((N, spectrum.alphas.shape[1], n, 1))
         if process.later.any():
@@ -171,6 +174,13 @@ def _solved(vehicle: RoadVehicle, model: Any, road: Road, N: int) -> Moments:
             cross, own = stirred.integrated(at_once, drift)
             with_drift += cross
             of_drift += own
+        if road.velocity_is_bounded and D.any():
+            now, late = (np.broadcast_to(D @ side, through.shape) for side in (process.now, process.later))
+            passed = stirred.passed_on(at_once[..., None], (drift - at_once)[..., None])
+            with_velocity = [np.concatenate([stretch[..., None] * x, h], axis=-2) for x, h in passed.states]
+            with_now, with_late = ((Y @ x)[..., 0] for x in with_velocity)
+            through += 2.0 * (now * with_now + late * with_late + now * late * passed.lagged)
+            through += (now**2 + late**2) * passed.variance
 
     X, error = dynamics.lyapunov(Q)
     X = X * (stretch[..., :, None] * stretch[..., None, :])
@@ -179,4 +189,4 @@ def _solved(vehicle: RoadVehicle, model: Any, road: Road, N: int) -> Moments:
         X[:, :n, n:] = stretch[..., None] * with_drift
         X[:, n:, :n] = X[:, :n, n:].mT
         X[:, n:, n:] = of_drift
-    return Moments(model, X, error, infinite_outputs(model, excited, road))
+    return Moments(model, X, error, through, infinite_outputs(model, excited, road))

@@ -253,7 +253,7 @@ class System(NamedTuple):
 
 
 class Excitation(NamedTuple):
-    """Processes with weights ``now`` and ``later`` (P, wheels), ``white`` (P,) and colours (P, N, J); delays (N,)."""
+    """Processes with weights ``now`` and ``later`` (P, wheels), ``white`` (P, N) and colours (P, N, J); delays (N,)."""
 
     now: Any
     later: Any
@@ -306,7 +306,7 @@ def variances(system, excitation):
             if delayed:
                 propagate(k, c, tau[design], max(fastest, 0.0), free)
             colour_g, colour_h = np.zeros(2 * n), np.zeros(2 * n)
-            q = white[process]
+            q = white[process, design]
             drift_now, drift_later = warp @ now[process], warp @ later[process]
             bounded = drift_now + drift_later != 0.0
             cross, own, memory_sum = np.zeros(2 * n), 0.0, 0.0

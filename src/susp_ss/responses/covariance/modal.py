@@ -26,7 +26,8 @@ REFINED = 1e-13
 class Modal:
     """Free dynamics ``x' = A x``, A (N, n, n), balanced, every eigenvalue in the open left half plane.
 
-    The eigenvalues are ``rates`` (N, n), the eigenvectors the columns of ``V`` (N, n, n).
+    The eigenvalues are ``rates`` (N, n), the eigenvectors the columns of ``V`` (N, n, n); one A may stand for all
+    designs.
     """
 
     def __init__(self, A: Array, rates: NDArray, V: NDArray):
@@ -36,25 +37,31 @@ class Modal:
         W = np.linalg.inv(np.where(singular[:, None, None], eye, V) if singular.any() else V)
         condition = np.linalg.norm(V, axis=(-2, -1)) * np.linalg.norm(W, axis=(-2, -1))
         self.A, self.rates, self.V, self.W = A, rates, V, W
-        self.one_by_one = np.flatnonzero(singular | ~(condition < PARALLEL * len(eye)))
+        self.parallel = singular | ~(condition < PARALLEL * len(eye))
 
-    def _of_modes(self, values: Any, x: Any) -> Array:
+    def _one_by_one(self, N: int) -> list[tuple[int, int]]:
+        """Those of N designs that are not computed by modes, each with the number of its system."""
+        which = np.broadcast_to(np.arange(len(self.A)), N)
+        return [(int(i), int(which[i])) for i in np.flatnonzero(self.parallel[which])]
+
+    def _of_modes(self, values: Any, x: Any, real: bool = True) -> Any:
         """``V diag(values) W x``, the function of A that has these values at its eigenvalues."""
         V, W = (self.V, self.W) if x.ndim == 3 else (self.V[:, None], self.W[:, None])
-        return np.ascontiguousarray((V @ (values * (W @ x))).real)
+        y = V @ (values * (W @ x))
+        return np.ascontiguousarray(y.real) if real else y
 
     def solve(self, x: Array) -> Array:
         """``A^-1 x`` of columns (N, n, k)."""
         return np.asarray(np.linalg.solve(self.A, x))
 
-    def resolvent(self, alpha: Array, x: Array) -> Array:
+    def resolvent(self, alpha: NDArray, x: Array) -> Any:
         """``(alpha I - A)^-1 x`` of columns (N, J, n, k), for alpha (N, J, 1, 1) that are no eigenvalues of A."""
-        y = self._of_modes(1.0 / (alpha - self.rates[:, None, :, None]), x)
-        for i in self.one_by_one:
-            y[i] = np.linalg.solve(alpha[i] * np.eye(self.A.shape[-1]) - self.A[i], x[i])
+        y = self._of_modes(1.0 / (alpha - self.rates[:, None, :, None]), x, np.isrealobj(alpha))
+        for i, j in self._one_by_one(len(y)):
+            y[i] = np.linalg.solve(alpha[i] * np.eye(self.A.shape[-1]) - self.A[j], x[i])
         return y
 
-    def propagate(self, b: Array, tau: Array, alphas: Array) -> tuple[Array, Array]:
+    def propagate(self, b: Array, tau: Array, alphas: NDArray) -> tuple[Array, Any]:
         """Carry ``b`` (N, n) over the delays ``tau`` (N,), freely and under forcing that decays at ``alphas`` (N, J).
 
         Returns ``e^(A tau) b``, (N, n, 1), and ``int_0^tau e^(A (tau - s)) b e^(-alpha s) ds``, (N, J, n, 1).
@@ -63,9 +70,10 @@ class Modal:
         free = self._of_modes(np.exp(over), b[:, :, None])
         columns = np.broadcast_to(b[:, None, :, None], (*alphas.shape, b.shape[1], 1))
         decay = -(tau[:, None] * alphas)[:, :, None, None]
-        forced = self._of_modes(tau[:, None, None, None] * _mean_exponential(over[:, None], decay), columns)
-        for i in self.one_by_one:
-            free[i], forced[i] = _carried(self.A[i], b[i], float(tau[i]), alphas[i])
+        driven = tau[:, None, None, None] * _mean_exponential(over[:, None], decay)
+        forced = self._of_modes(driven, columns, np.isrealobj(alphas))
+        for i, j in self._one_by_one(len(free)):
+            free[i], forced[i] = _carried(self.A[j], b[i], float(tau[i]), alphas[i])
         return free, forced
 
     def lyapunov(self, Q: Array) -> tuple[Array, Array]:
@@ -93,12 +101,12 @@ class Modal:
         V, W = self.V, self.W
         sums = self.rates[:, :, None] + self.rates[:, None, :].conj()
         X = np.ascontiguousarray((V @ ((W @ Q @ W.conj().mT) / -sums) @ V.conj().mT).real)
-        for i in self.one_by_one:
-            X[i] = scipy.linalg.solve_continuous_lyapunov(self.A[i], -Q[i])
+        for i, j in self._one_by_one(len(X)):
+            X[i] = scipy.linalg.solve_continuous_lyapunov(self.A[j], -Q[i])
         return 0.5 * (X + X.mT)
 
 
-def _mean_exponential(x: Array, y: Array) -> Array:
+def _mean_exponential(x: NDArray, y: NDArray) -> NDArray:
     """``int_0^1 e^(x (1 - s) + y s) ds = (e^x - e^y) / (x - y)``, without loss where x is near y."""
     apart = x - y
     ahead = apart.real > 0.0
@@ -108,11 +116,11 @@ def _mean_exponential(x: Array, y: Array) -> Array:
     return np.asarray(np.exp(np.where(ahead, x, y)) * np.where(step == 0.0, 1.0, np.expm1(safe) / safe))
 
 
-def _carried(A: Array, b: Array, tau: float, alphas: Array) -> tuple[Array, Array]:
+def _carried(A: Array, b: Array, tau: float, alphas: NDArray) -> tuple[Array, NDArray]:
     """What `Modal.propagate` returns of one design: the forcing is one more state."""
     n = len(A)
     free = scipy.linalg.expm(A * tau) @ b[:, None]
-    forced = np.zeros((len(alphas), n, 1))
+    forced = np.zeros((len(alphas), n, 1), dtype=alphas.dtype)
     for j, alpha in enumerate(alphas):
         driven = np.block([[A, b[:, None]], [np.zeros((1, n)), np.array([[-alpha]])]])
         forced[j] = scipy.linalg.expm(driven * tau)[:n, n:]

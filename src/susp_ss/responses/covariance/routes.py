@@ -62,7 +62,8 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
 
     def solve(block: slice, kernels: Any = polynomials) -> None:
         some, size = [half.select(block) for half in halves], block.stop - block.start
-        variances[:, block], left[block] = symmetric_variances(some, flat.select(block), road, size, kernels)
+        here = flat.select(block), road.select(block)
+        variances[:, block], left[block] = symmetric_variances(some, *here, size, kernels)
 
     if max(designs, space.size) < PLENTY or not halves or not compiler_found():
         for block in _blocks(space.size, BLOCK):
@@ -76,12 +77,13 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             list(pool.map(lambda block: solve(block, polynomials_numba), others))
     by_matrices = np.flatnonzero(left)
-    if len(by_matrices) >= MANY and flat.select(slice(0, 1)).assemble().second_order and compiler_found():
+    second_order = flat.select(slice(0, 1)).assemble().second_order
+    if len(by_matrices) >= MANY and second_order and not road.velocity_is_bounded and compiler_found():
         by_matrices = _compiled(flat, road, by_matrices, variances)
     for chosen in batches(by_matrices, BATCH):
-        model, X, error, infinite = moments(flat, space, road, chosen, LOST)
+        model, X, error, through, infinite = moments(flat, space, road, chosen, LOST)
         Y = model.velocity_form()[2]
-        variance = np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
+        variance = through + np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
         terms = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0))) ** 2
         if model.second_order:
             values, lost = _sound(variance, terms, error, infinite)
@@ -125,7 +127,7 @@ def _compiled(flat: Vehicle, road: Road, designs: NDArray[np.int_], variances: A
     now, later = np.stack([process.now for process in excited]), np.stack([process.later for process in excited])
 
     def solve(chosen: NDArray[np.int_]) -> NDArray[np.int_]:
-        some, N = flat.select(chosen), len(chosen)
+        some, here, N = flat.select(chosen), road.select(chosen), len(chosen)
 
         def each(x: Any, *shape: int) -> Array:
             # A copy in memory order each time: one signature, compiled once.
@@ -135,7 +137,7 @@ def _compiled(flat: Vehicle, road: Road, designs: NDArray[np.int_], variances: A
         check_stationary(flat, road, model)
         Y = np.concatenate([model.on_position, model.on_velocity, model.on_warp[..., None]], axis=-1)
         matrices = {"K": model.K, "C": model.C, "K_in": model.K_in, "C_in": model.C_in, "Y": Y}
-        spectra = [colours(road, process.share, process.sign, each(some.track_width)) for process in excited]
+        spectra = [colours(here, process.share, process.sign, each(some.track_width)) for process in excited]
         variance, terms, error = matrices_numba.variances(
             matrices_numba.System(
                 m=each(model.m, model.m.shape[-1]),
@@ -145,10 +147,10 @@ def _compiled(flat: Vehicle, road: Road, designs: NDArray[np.int_], variances: A
             matrices_numba.Excitation(
                 now,
                 later,
-                np.array([float(spectrum.white) for spectrum in spectra]),
+                np.array([spectrum.white[:, 0] for spectrum in spectra]),
                 np.array([spectrum.alphas for spectrum in spectra]),
                 np.array([spectrum.weights for spectrum in spectra]),
-                each(delay(some, road)),
+                each(delay(some, here)),
             ),
         )
         with np.errstate(all="ignore"):
