@@ -5,6 +5,7 @@ import dataclasses
 import control as ct
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -335,6 +336,45 @@ def test_many_systems_are_designs(tracks):
     np.testing.assert_allclose(
         response[2], ss.frequency_response(ss.LinearVehicle(systems[2], **one), [1.0, 2.0]), rtol=1e-12
     )
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize(
+    "name", ["quarter, tyre damping", "pitch half, unequal ends", "full, unequal corners, bars, tyre damping"]
+)
+def test_roads_of_any_spectrum(name, form):
+    vehicle = VEHICLES[name]
+    linear = ss.LinearVehicle(system_of(vehicle, form, actuators=True), like=vehicle)
+    for road in (
+        ss.Road(waviness=1.6, tracks="isotropic"),
+        ss.Road(waviness=2.6, tracks="independent", speed=13.0),
+        ss.Road(waviness=3.3, tracks="isotropic", cutoff=0.01),
+        ss.Road(contact_length=0.1, tracks="independent"),
+        ss.Road(contact_length=0.1, cutoff=0.02, delay=False),
+    ):
+        assert_alike(ss.ride_metrics(linear, road), ss.ride_metrics(vehicle, road), 1e-8, 1e-7)
+
+
+def test_roads_that_are_arrays():
+    car = ss.FullCar(**UNEQUAL)
+    linear = ss.LinearVehicle(car.state_space("velocity", actuators=True), like=car)
+    speeds = xr.DataArray([8.0, 20.0, 45.0], dims="speed", coords={"speed": [8.0, 20.0, 45.0]})
+    road = ss.Road(speed=speeds, tracks="isotropic", cutoff=0.01)
+    assert_alike(ss.ride_metrics(linear, road), ss.ride_metrics(car, road), 1e-9, 1e-7)
+    two = ss.LinearVehicle([car.state_space("velocity"), ss.FullCar(cs=900.0).state_space("velocity")], like=car)
+    together = ss.ride_metrics(two, road)
+    assert together.bacc.dims == ("design", "speed", "point")
+    alone = ss.ride_metrics(ss.FullCar(cs=900.0), ss.Road(speed=45.0, tracks="isotropic", cutoff=0.01))
+    np.testing.assert_allclose(together.sws[1, 2], alone.sws, rtol=1e-9)
+    np.testing.assert_allclose(together.sws[0], ss.ride_metrics(linear, road).sws, rtol=1e-9)
+    pytest.importorskip("dask")
+    lazy = ss.Road(speed=speeds.chunk(speed=2), tracks="isotropic", cutoff=0.01)
+    assert_alike(ss.ride_metrics(two, lazy).compute(), together, 1e-12)
+    # Equal lags are no modes to go by: one by one on every road.
+    chain = ct.ss([[-9.0, 0.0], [9.0, -9.0]], [[1.0], [0.0]], [[0.0, 1.0]], [[0.0]], inputs="dz_r", outputs="lagged")
+    chain, roads = ss.LinearVehicle(chain), ss.Road(speed=speeds, cutoff=0.01)
+    each = [ss.ride_metrics(chain, ss.Road(speed=v, cutoff=0.01)).lagged for v in speeds.values]
+    np.testing.assert_allclose(ss.ride_metrics(chain, roads).lagged, each, rtol=1e-12)
 
 
 def test_a_metric_as_a_function_of_the_road():

@@ -44,7 +44,8 @@ def metrics_in_memory(vehicle: Vehicle, road: Road, method: str, designs: int, *
 def template(layout: Layout, method: str) -> xr.Dataset:
     """Metrics of one design as `metrics_in_memory` returns them, without their values."""
     nothing, one = np.zeros((1, len(layout.outputs))), DesignSpace.over((), "")
-    return _labelled(layout, one, np.zeros(len(layout.corners)), nothing, nothing if method == "time" else None)
+    none = np.zeros(len(layout.corners) if layout.dampers else 0)
+    return _labelled(layout, one, none, nothing, nothing if method == "time" else None)
 
 
 def _labelled(layout: Layout, space: DesignSpace, damping: Array, variances: Array, errors: Array | None) -> xr.Dataset:

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from ..quantities import Quantity, briefly, signal
@@ -108,7 +109,7 @@ class LinearVehicle(RoadVehicle):
         self._wheels = checked_wheels(wheels, tuple(heights))
         self._wheelbase = length("wheelbase", wheelbase)
         self._track_width = length("track_width", track_width)
-        self._which: Any = np.arange(len(systems), dtype=float) if several else None
+        self._which: Any = xr.DataArray(np.arange(len(systems), dtype=float), dims="design") if several else None
 
         rows, damping = output_table(outputs, self.wheels, like)
         order = [outputs.index(row.name) for row in rows]
@@ -171,13 +172,13 @@ class LinearVehicle(RoadVehicle):
 
     def flattened(self, space: DesignSpace) -> LinearVehicle:
         """The same designs in one row; the one system stands for all of them."""
-        return self if self._which is None else self.select(space.flat(computed(self._which)).astype(int))
+        return self if self._which is None else self.select(np.asarray(space.flat(computed(self._which)), dtype=int))
 
     def select(self, designs: slice | NDArray[np.int_]) -> LinearVehicle:
         """Some of the designs of a flattened vehicle."""
         if self._which is None:
             return self
-        return self._with(_which=self._which[designs], _model=self._model.select(designs))
+        return self._with(_which=np.asarray(self._which)[designs], _model=self._model.select(designs))
 
     def _with(self, **parts: Any) -> LinearVehicle:
         other = object.__new__(type(self))
