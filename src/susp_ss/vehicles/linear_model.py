@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -30,10 +29,15 @@ class LinearLayout(Layout):
 
 @dataclass(frozen=True, eq=False)
 class LinearModel:
-    """`Model` of any state space, as arrays of shape (N, rows, columns): what dies out and what integrates."""
+    """`Model` of any state space, as arrays of shape (N, rows, columns): what dies out and what integrates.
+
+    ``rates`` (N, n) and ``vectors`` (N, n, n) are the eigenvalues and eigenvectors of A.
+    """
 
     layout: LinearLayout
     A: Array
+    rates: NDArray
+    vectors: NDArray
     B: Array
     C: Array
     integrators: Array
@@ -46,18 +50,14 @@ class LinearModel:
 
     def select(self, designs: slice | NDArray[np.int_]) -> LinearModel:
         """Some of the designs."""
-        arrays = ("A", "B", "C", "integrators", "on_integrators", "on_road_velocity", "states")
-        return replace(self, **{name: getattr(self, name)[designs] for name in arrays})
-
-    @cached_property
-    def modes(self) -> tuple[NDArray, NDArray]:
-        """Eigenvalues (N, n) and eigenvectors (N, n, n) of what dies out."""
-        rates, vectors = np.linalg.eig(self.A)
-        return rates, vectors
+        some = {name: x[designs] for name, x in vars(self).items() if name not in ("layout", "damping")}
+        return replace(self, **some)
 
     def velocity_form(self) -> tuple[Array, Array, Array, Array]:
         """A, B, Y and D over x, and what integrates behind it."""
         k = self.integrators.shape[-2]
+        if not k:
+            return self.A, self.B, self.C, self.on_road_velocity
         A = np.pad(self.A, [(0, 0), (0, k), (0, k)])
         B = np.concatenate([self.B, self.integrators], axis=-2)
         return A, B, np.concatenate([self.C, self.on_integrators], axis=-1), self.on_road_velocity
@@ -152,9 +152,12 @@ def stacked(
         A[i, range(own, n), range(own, n)] = -1.0
         states[i][:, :own], states[i][:, n : n + len(one.rows)] = np.hsplit(one.basis[kept], [own])
     named = tuple(name for name, keep in zip(names, kept, strict=True) if keep)
+    rates, vectors = np.linalg.eig(A)
     return LinearModel(
         layout=LinearLayout(**{field.name: getattr(layout, field.name) for field in fields(layout)}, names=named),
         A=A,
+        rates=rates,
+        vectors=vectors,
         B=filled("B", n, inputs),
         C=filled("C", outputs, n),
         integrators=filled("rows", k, inputs),

@@ -147,7 +147,7 @@ def _second_order(model: SecondOrder, N: int) -> System:
 
 def _first_order(model: LinearModel) -> System:
     n = model.A.shape[-1]
-    return System(Modal(model.A, *model.modes), model.velocity_form()[1][..., :n, :], np.ones(n))
+    return System(Modal(model.A, model.rates, model.vectors), model.velocity_form()[1][..., :n, :], np.ones(n))
 
 
 def _solved(vehicle: RoadVehicle, model: Any, road: Road, N: int) -> Moments:
