@@ -58,8 +58,8 @@ class LinearVehicle(RoadVehicle):
 
     Notes
     -----
-    ``damper_power`` needs ``like`` and the suspension velocities ``dsws...`` of all corners, and is what the dampers
-    of ``like`` dissipate.
+    ``damper_power`` needs ``like`` and the suspension velocities ``sws_rate...`` of all corners, and is what the
+    dampers of ``like`` dissipate.
 
     Examples
     --------
@@ -112,13 +112,12 @@ class LinearVehicle(RoadVehicle):
         self._which: Any = xr.DataArray(np.arange(len(systems), dtype=float), dims="design") if several else None
 
         rows, damping = output_table(outputs, self.wheels, like)
-        order = [outputs.index(row.name) for row in rows]
         taken = [heights[wheel] for wheel in self.wheels]
         road = tuple(signal(HEIGHT, wheel) for wheel in self.wheels)
         known = Layout((), road, tuple(self.wheels), Outputs(rows), False, len(damping) > 0)
         parts = []
         for i, one in enumerate(systems):
-            matrices = one.A, one.B[:, taken], one.C[order], one.D[np.ix_(order, taken)]
+            matrices = one.A, one.B[:, taken], one.C, one.D[:, taken]
             try:
                 parts.append((relative if by_height else driven)(*matrices))
             except Growing as growing:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..quantities import DIMS, SIGNALS, Quantity, briefly, signal
+from ..quantities import DIMS, METRICS, Quantity, briefly, signal
 from .contract import RoadVehicle
 from .linkage import Wheel
 from .second_order import Array, Row
@@ -108,9 +108,9 @@ def length(name: str, value: Any) -> float:
 def output_table(
     outputs: Sequence[str], wheels: Mapping[str, Wheel], like: RoadVehicle | None
 ) -> tuple[tuple[Row, ...], Array]:
-    """What each output is, what serves the damper powers last; and the damping rates that these are made of."""
+    """What each output is, and the damping rates that damper powers are made of."""
     known = {row.name: row for row in like.layout().outputs.rows} if like is not None else {}
-    rates = [signal("dsws", wheel) for wheel in wheels]
+    rates = [signal("sws_rate", wheel) for wheel in wheels]
     damping = np.zeros(0)
     if like is not None and set(rates) <= set(outputs):
         damping = like.damping()
@@ -119,7 +119,7 @@ def output_table(
         row = known.get(name) or _row(name)
         if row.quantity.name in DIMS:
             raise ValueError(f"LinearVehicle(system=...) has an output named {name!r}, which results use; rename it")
-        rows.append(row._replace(public=name not in rates or not len(damping)))
+        rows.append(row._replace(public=True))
     variables: dict[str, set[str]] = {}
     for row in rows:
         variables.setdefault(row.quantity.name, set()).add(row.place)
@@ -129,13 +129,13 @@ def output_table(
             raise ValueError(
                 f"LinearVehicle(system=...) has outputs {name!r} and {other!r}; give both a place, or neither"
             )
-    return tuple(sorted(rows, key=lambda row: not row.public)), damping
+    return tuple(rows), damping
 
 
 def _row(name: str) -> Row:
     """An output by its name alone: one of the package's at a place, or one of its own."""
-    for stem in sorted(SIGNALS, key=len, reverse=True):
-        quantity = SIGNALS[stem]
+    for stem in sorted(METRICS, key=len, reverse=True):
+        quantity = METRICS[stem]
         if quantity.statistic == "RMS" and (name == stem or (quantity.dim and name.startswith(f"{stem}_"))):
             return Row(quantity, name.removeprefix(stem).removeprefix("_"), True)
     return Row(Quantity(name, "", name), "", True)

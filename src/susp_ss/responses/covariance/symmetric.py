@@ -56,12 +56,13 @@ class Problem(NamedTuple):
         if len(self.struts) == 1:
             one = OneStrut._make(kernels.one_strut(self.struts[0], compliance[0, 0], self.road))
             forces, deflections, rates, loads = [[one.force]], [one.deflection], [one.rate], [one.load]
+            tyres = [one.tyre]
         else:
             damped = bool(self.struts[:, 4].any())
             two = TwoStruts._make(kernels.two_struts(self.struts, self.body, self.road, Delay(self.tau, *walk), damped))
             forces = [[two.force_1, two.force_12], [two.force_12, two.force_2]]
             deflections, rates = [two.deflection_1, two.deflection_2], [two.rate_1, two.rate_2]
-            loads = [two.load_1, two.load_2]
+            loads, tyres = [two.load_1, two.load_2], [two.tyre_1, two.tyre_2]
 
         def acceleration(per_force: Array) -> Array:
             terms = [u * v * forces[i][j] for i, u in enumerate(per_force) for j, v in enumerate(per_force)]
@@ -71,7 +72,8 @@ class Problem(NamedTuple):
         out = {name: acceleration(per_force) for name, per_force in self.accelerations.items()}
         for i, corners in enumerate(self.places):
             loads[i][self.struts[i, 4] > 0.0] = np.inf
-            values = {"bacc": acceleration(compliance[i]), "sws": deflections[i], "dtl": loads[i], "dsws": rates[i]}
+            values = {"bacc": acceleration(compliance[i]), "sws": deflections[i], "dtl": loads[i], "sws_rate": rates[i]}
+            values["tyre_deflection"] = tyres[i]
             out |= {signal(kind, corner): variance for corner in corners for kind, variance in values.items()}
         return out
 
@@ -196,7 +198,7 @@ def symmetric_variances(
             return variances, np.logical_or.reduce(np.isnan(variances))
         other = _total([part.in_other_units() for part in parts], walks, outputs, kernels)
     acceleration, force = OTHER_TIME**-4.0, OTHER_MASS**2 * OTHER_TIME**-4.0
-    units = {"sws": 1.0, "dtl": force, "dsws": OTHER_TIME**-2.0}
+    units = {"sws": 1.0, "tyre_deflection": 1.0, "dtl": force, "sws_rate": OTHER_TIME**-2.0}
     other /= np.array([units.get(row.quantity.name, acceleration) for row in outputs.rows])[:, None]
     apart = (variances != other) & ~(np.abs(variances - other) < AGREED * variances)
     return variances, np.logical_or.reduce(apart)
