@@ -5,6 +5,7 @@ import dataclasses
 import control as ct
 import numpy as np
 import pytest
+import scipy.linalg
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -236,6 +237,24 @@ def test_what_no_output_sees_is_left_out(name):
         assert_alike(ss.ride_metrics(ss.LinearVehicle(mixed, like=car), road), expected, 1e-8, 1e-6)
     kept = ss.covariance(ss.LinearVehicle(plain, like=car), ss.Road()).state.values.tolist()
     assert kept == [f"x[{i}]" for i in range(n)]
+
+
+@pytest.mark.parametrize("gain", [1.0, 10.0, 1e3, 1e6, 1e9])
+def test_what_cancels_among_large_states_is_never_taken_for_zero(gain):
+    car = ss.PitchHalfCar()
+    plant, rng = car.state_space("velocity"), np.random.default_rng(2)
+    n, unseen = plant.nstates, 3
+    A = scipy.linalg.block_diag(plant.A, np.diag([-0.2, -1.0, -9.0]))
+    B = np.vstack([plant.B, gain * rng.standard_normal((unseen, 2))])
+    C = np.hstack([plant.C, np.zeros((plant.noutputs, unseen))])
+    Q, _ = np.linalg.qr(rng.standard_normal((n + unseen, n + unseen)))
+    mixed = ct.ss(Q @ A @ Q.T, Q @ B, C @ Q.T, plant.D, inputs=plant.input_labels, outputs=plant.output_labels)
+    linear = ss.LinearVehicle(mixed, like=car)
+    if gain > 100.0:
+        with pytest.raises(ValueError, match="six digits"):
+            ss.ride_metrics(linear, ss.Road())
+    else:
+        assert_alike(ss.ride_metrics(linear, ss.Road()), ss.ride_metrics(car, ss.Road()), 1e-6)
 
 
 # Other vehicles

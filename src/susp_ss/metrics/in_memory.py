@@ -14,9 +14,9 @@ from ..responses.labels import labelled_outputs
 from ..responses.simulation import time_variances
 from ..responses.spectral import spectral_variances
 from ..roads.road import Road
+from ..vehicles.contract import RoadVehicle
 from ..vehicles.parameters import DesignSpace
 from ..vehicles.second_order import Layout
-from ..vehicles.vehicle import Vehicle
 
 METHODS = ("covariance", "spectral", "time")
 
@@ -29,7 +29,7 @@ INFINITE = (
 """When a tyre load has no finite variance: the comment of its variable."""
 
 
-def metrics_in_memory(vehicle: Vehicle, road: Road, method: str, designs: int, **record: Any) -> xr.Dataset:
+def metrics_in_memory(vehicle: RoadVehicle, road: Road, method: str, designs: int, **record: Any) -> xr.Dataset:
     """Metrics of a vehicle in memory, part of a sweep of so many designs; ``record`` is for time histories."""
     (space, flat, road), errors = spanned(vehicle, road), None
     if method == "time":

@@ -9,13 +9,13 @@ import xarray as xr
 from ..quantities import briefly
 from ..responses.excitation import check_kinds, design_space
 from ..roads.road import Road
-from ..vehicles.vehicle import Vehicle
+from ..vehicles.contract import RoadVehicle
 from .blocks import lazy_metrics
 from .in_memory import METHODS, metrics_in_memory
 
 
 def ride_metrics(
-    vehicle: Vehicle,
+    vehicle: RoadVehicle,
     road: Road,
     method: Literal["covariance", "spectral", "time"] = "covariance",
     *,
@@ -28,7 +28,7 @@ def ride_metrics(
     Parameters
     ----------
     vehicle : Vehicle
-        Any of the five models. Parameters that are arrays make a sweep, whose dims come first in the result. If one
+        Any of the five models, or a `LinearVehicle`. Parameters that are arrays make a sweep, whose dims come first in the result. If one
         is a DataArray of Dask blocks, so is the result: each block's values are checked when it is computed.
     road : Road
         What the wheels run over.

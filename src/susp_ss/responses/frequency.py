@@ -10,12 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..quantities import briefly
 from ..roads.road import Road
-from ..vehicles.contract import Model
-from ..vehicles.vehicle import Vehicle
+from ..vehicles.contract import Model, RoadVehicle
 from .excitation import check_kinds, delay, integrated, processes, spanned
 
 
-def frequency_response(vehicle: Vehicle, frequency: ArrayLike) -> xr.DataArray:
+def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArray:
     """Complex response of every output to the height of the road under every wheel.
 
     ``H(f) = Y (K - w^2 M + j w C)^-1 (K_in + j w C_in) + ...`` with ``w = 2 pi f``, solved relative to the road so that
@@ -63,7 +62,7 @@ def frequency_response(vehicle: Vehicle, frequency: ArrayLike) -> xr.DataArray:
     return result
 
 
-def psd(vehicle: Vehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
+def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     """One-sided spectrum of every output on a random road.
 
     ``S_y(f) = sum over processes |H(f) (b_now + b_later e^(-j w tau))|^2 G(f)``, the processes being the mean and the
@@ -110,7 +109,9 @@ def psd(vehicle: Vehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     return result
 
 
-def output_density(vehicle: Vehicle, model: Model, road: Road, f: NDArray, interference: ArrayLike = 1.0) -> NDArray:
+def output_density(
+    vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, interference: ArrayLike = 1.0
+) -> NDArray:
     """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs).
 
     ``interference`` (F,) weighs the cross term of front and rear wheels, which turns with the delay.

@@ -13,9 +13,8 @@ from ..progress import tracked
 from ..quantities import briefly, whole_number
 from ..roads.profiles import synthesise
 from ..roads.road import Road
-from ..vehicles.contract import Model
+from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import DesignSpace
-from ..vehicles.vehicle import Vehicle
 from .excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
 from .labels import labelled_outputs
 
@@ -30,7 +29,7 @@ SWINGING = 1e-6
 MOST_STEPS = 1e7
 
 
-def simulate(vehicle: Vehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
+def simulate(vehicle: RoadVehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
     """Drive a vehicle over given road heights.
 
     The heights are taken as linear between samples and the states advance exactly (`control.forced_response`). The
@@ -92,7 +91,7 @@ def _outputs(model: Model, z: Array, t: Array) -> Array:
 
 
 def time_variances(
-    flat: Vehicle, space: DesignSpace, road: Road, duration: float, step: float, seed: int
+    flat: RoadVehicle, space: DesignSpace, road: Road, duration: float, step: float, seed: int
 ) -> tuple[Array, Array]:
     """Mean squares (designs, outputs) over a synthesised record, and their standard errors.
 
@@ -114,7 +113,7 @@ def time_variances(
     return np.stack(squares), np.stack(errors)
 
 
-def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, seed: int) -> tuple[Array, Array]:
+def _mean_squares(vehicle: RoadVehicle, road: Road, duration: float, step: float, seed: int) -> tuple[Array, Array]:
     model = vehicle.assemble()
     check_stationary(vehicle, road, model)
     excited = processes(vehicle, road)

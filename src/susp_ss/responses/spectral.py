@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.integrate import cubature
 
 from ..roads.road import Road
+from ..vehicles.contract import RoadVehicle
 from ..vehicles.parameters import DesignSpace
-from ..vehicles.vehicle import Vehicle
 from .excitation import check_stationary, infinite_outputs, processes
 from .frequency import output_density
 
@@ -28,7 +28,7 @@ ABOVE, TURNS, FADE = 10.0, 50.0, 10.0
 RELATIVE, CANCELLED = 1e-7, 1e-12
 
 
-def spectral_variances(flat: Vehicle, space: DesignSpace, road: Road) -> NDArray[np.float64]:
+def spectral_variances(flat: RoadVehicle, space: DesignSpace, road: Road) -> NDArray[np.float64]:
     """Integrate ``S_y(f) df`` over all frequencies: variances (designs, outputs) of all outputs of all designs.
 
     Adaptive Gauss-Kronrod cubature in log frequency with breaks at the resonances. An output that passes the road's
@@ -37,7 +37,7 @@ def spectral_variances(flat: Vehicle, space: DesignSpace, road: Road) -> NDArray
     return np.stack([_variances(flat.select(slice(i, i + 1)), road.one(i)) for i in range(space.size)])
 
 
-def _variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
+def _variances(vehicle: RoadVehicle, road: Road) -> NDArray[np.float64]:
     model = vehicle.assemble()
     check_stationary(vehicle, road, model)
     infinite = infinite_outputs(model, processes(vehicle, road), road).reshape(-1)

@@ -21,7 +21,6 @@ from ...vehicles.contract import RoadVehicle
 from ...vehicles.linear import LinearModel
 from ...vehicles.parameters import DesignSpace
 from ...vehicles.second_order import SecondOrder
-from ...vehicles.vehicle import Vehicle
 from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, integrated, processes, spanned
 from .first_order import Correlations, Spectrum
 from .lyapunov import Dynamics
@@ -50,7 +49,7 @@ class Moments(NamedTuple):
     infinite: NDArray[np.bool_]
 
 
-def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
+def covariance(vehicle: RoadVehicle, road: Road) -> xr.DataArray:
     """Stationary covariance of the road-relative states.
 
     Solves ``A X + X A^T + Q = 0`` exactly, the wheelbase delay included, under the assumption that every eigenvalue
@@ -99,7 +98,7 @@ def batches(designs: NDArray[np.int_], size: int) -> Iterator[NDArray[np.int_]]:
     return (designs[i : i + size] for i in range(0, len(designs), size))
 
 
-def lost_digits(flat: Vehicle, space: DesignSpace, design: int) -> ValueError:
+def lost_digits(flat: RoadVehicle, space: DesignSpace, design: int) -> ValueError:
     """Say which design cannot be computed to six digits."""
     return ValueError(
         f"{type(flat).__name__}{space.place(design)} is damped so lightly or so heavily, has "
@@ -108,7 +107,7 @@ def lost_digits(flat: Vehicle, space: DesignSpace, design: int) -> ValueError:
     )
 
 
-def moments(flat: Vehicle, space: DesignSpace, road: Road, chosen: NDArray[np.int_], lost: float) -> Moments:
+def moments(flat: RoadVehicle, space: DesignSpace, road: Road, chosen: NDArray[np.int_], lost: float) -> Moments:
     """Covariance of some designs of a flattened vehicle, each with an error below ``lost``."""
     whole, designs, road = road, flat.select(chosen), road.select(chosen)
     model = designs.assemble()

@@ -25,9 +25,8 @@ from numpy.typing import NDArray
 
 from ...roads.colours import colours
 from ...roads.road import Road
-from ...vehicles.contract import Model
+from ...vehicles.contract import Model, RoadVehicle
 from ...vehicles.parameters import DesignSpace
-from ...vehicles.vehicle import Vehicle
 from ..excitation import Process, check_stationary, delay, infinite_outputs, processes, vanishing_outputs
 from . import polynomials
 from .compiler import compiler_found
@@ -51,7 +50,7 @@ PLENTY, MANY = 1_000_000, 50_000
 SHARE = 512
 
 
-def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs: int = 1) -> Array:
+def covariance_variances(flat: RoadVehicle, space: DesignSpace, road: Road, designs: int = 1) -> Array:
     """Variances (designs, outputs) of all outputs of a flattened vehicle's designs; `inf` where white velocity passes.
 
     These may be part of a sweep of more ``designs``, whose number decides what is worth compiling.
@@ -119,7 +118,7 @@ def _seen(
     return np.where(infinite, np.inf, variance), ~np.all(kept, axis=-1)
 
 
-def _compiled(flat: Vehicle, road: Road, designs: NDArray[np.int_], variances: Array) -> NDArray[np.int_]:
+def _compiled(flat: RoadVehicle, road: Road, designs: NDArray[np.int_], variances: Array) -> NDArray[np.int_]:
     """Fill in the variances (outputs, N) of some designs on every processor; return those that lost digits."""
     from . import matrices_numba
 
