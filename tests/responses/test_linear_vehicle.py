@@ -375,6 +375,21 @@ def test_roads_of_any_spectrum(name, form):
         assert_alike(ss.ride_metrics(linear, road), ss.ride_metrics(vehicle, road), 1e-8, 1e-7)
 
 
+@pytest.mark.parametrize("name", ["quarter, tyre damping", "full, unequal corners, bars, tyre damping"])
+def test_weighted_outputs(name):
+    # Weightings have poles of their own, complex ones too, and make even a tyre load with tyre damping finite.
+    vehicle = VEHICLES[name]
+    linear = ss.LinearVehicle(vehicle.state_space("velocity", actuators=True), like=vehicle)
+    weighting = {"bacc": "Wk", "dtl": ct.tf([1.0], [0.02, 1.0]), "sws": "Wd"}
+    for road in (ss.Road(tracks="isotropic"), ss.Road(tracks="independent", speed=12.0, cutoff=0.01)):
+        ours, theirs = (ss.ride_metrics(car, road, weighting=weighting) for car in (linear, vehicle))
+        assert_alike(ours, theirs, 1e-8, 1e-7)
+        assert np.isfinite(ours.dtl).all()
+    road = ss.Road(tracks="independent")
+    exact, spectral = (ss.ride_metrics(linear, road, m, weighting=weighting) for m in ("covariance", "spectral"))
+    assert_alike(exact, spectral, 1e-6, 1e-7)
+
+
 def test_roads_that_are_arrays():
     car = ss.FullCar(**UNEQUAL)
     linear = ss.LinearVehicle(car.state_space("velocity", actuators=True), like=car)

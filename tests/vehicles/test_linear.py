@@ -155,6 +155,11 @@ WRONG = {
         ValueError,
         "needs one system, got 2",
     ),
+    "points": (
+        lambda: ss.ride_metrics(ss.LinearVehicle(PLANT, like=CAR), ss.Road(), points={"driver": (0.3, 0.4)}),
+        TypeError,
+        "points need a vehicle whose body is known.* named bacc_driver",
+    ),
     "sensitivity": (
         lambda: ss.sensitivity(ss.LinearVehicle(PLANT, like=CAR), ss.Road(), ["speed"]),
         TypeError,

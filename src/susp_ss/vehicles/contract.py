@@ -114,6 +114,10 @@ class RoadVehicle(ABC):
         """Whether some parameter's values are computed later."""
 
     @abstractmethod
+    def with_points(self, points: Mapping[str, tuple[float, float]]) -> RoadVehicle:
+        """The same vehicle, measured at further points of its body."""
+
+    @abstractmethod
     def leaves(self) -> list[Any]:
         """Whatever spans designs: numbers, arrays or DataArrays."""
 

@@ -153,6 +153,13 @@ class LinearVehicle(RoadVehicle):
         """No: matrices are in memory."""
         return False
 
+    def with_points(self, points: Mapping[str, tuple[float, float]]) -> LinearVehicle:
+        """Refused: where its body is, only its outputs know."""
+        raise TypeError(
+            f"points need a vehicle whose body is known, such as FullCar(), got {self!r}; give the system an output "
+            "there, named bacc_driver"
+        )
+
     def leaves(self) -> list[Any]:
         """The numbers of the systems, where there are several."""
         return [] if self._which is None else [self._which]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
@@ -15,6 +16,7 @@ from .contract import RoadVehicle
 from .decoupled import Half, halves
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
+from .points import checked_points, with_points
 from .second_order import Layout, SecondOrder
 
 if TYPE_CHECKING:
@@ -203,6 +205,32 @@ class Vehicle(RoadVehicle):
     def checked(self) -> Self:
         """The same vehicle, its parameters checked."""
         return dataclasses.replace(self)
+
+    def with_points(self, points: Mapping[str, tuple[float, float]]) -> Vehicle:
+        """The same vehicle, measured at further points of its body.
+
+        Parameters
+        ----------
+        points : mapping of str to (x, y)
+            In m ahead of and to the left of the centre of gravity.
+
+        Raises
+        ------
+        TypeError, ValueError
+            No such mapping, a name that is taken, or a place that the model's body does not have.
+
+        Examples
+        --------
+        >>> from susp_ss import FullCar
+        >>> FullCar().with_points({"driver": (0.3, 0.4)}).layout().outputs.places("bacc")
+        ('cg', 'fr', 'fl', 'rr', 'rl', 'driver')
+        """
+        own: Any = type(self)
+        kind = with_points(own, checked_points(points, type(self).__name__, self.linkage()))
+        vehicle: Vehicle = object.__new__(kind)
+        for name, value in vars(self).items():
+            object.__setattr__(vehicle, name, value)
+        return vehicle
 
     def assemble(self) -> SecondOrder:
         """Matrices of the second-order model, stacked over the designs of a flattened vehicle."""
