@@ -305,7 +305,26 @@ def test_random_stable_systems_against_a_dense_integral(seed, n, tracks, cutoff,
     np.testing.assert_allclose([float(ours[name]) for name in ("one", "two", "three")], expected, rtol=2e-4)
     spectral = ss.ride_metrics(vehicle, road, method="spectral")
     for name in ours:
-        np.testing.assert_allclose(ours[name], spectral[name], rtol=1e-6)
+        np.testing.assert_allclose(ours[name], spectral[name], rtol=2e-5)
+
+
+@given(seed=st.integers(0, 10**6), n=st.integers(1, 30), speed=st.floats(5.0, 40.0))
+@settings(max_examples=25)
+def test_random_stable_systems_against_scipy(seed, n, speed):
+    system, road = random_system(seed, n), ss.Road(tracks="independent", speed=speed)
+    vehicle, Q = ss.LinearVehicle(system, wheelbase=2.7), np.zeros((n, n))
+    carried = scipy.linalg.expm(system.A * vehicle.wheelbase / speed)
+    for front, rear in ((0, 2), (1, 3)):
+        late = carried @ system.B[:, front]
+        for one, other in ((system.B[:, front],) * 2, (system.B[:, rear],) * 2, (late, system.B[:, rear])):
+            Q += np.outer(one, other) + (0.0 if one is other else np.outer(other, one))
+    X = scipy.linalg.solve_continuous_lyapunov(system.A, -road.intensity * Q)
+    sizes = np.sqrt(np.diag(X))
+    ours = ss.covariance(vehicle, road).values
+    np.testing.assert_allclose(ours / np.outer(sizes, sizes), X / np.outer(sizes, sizes), atol=1e-8)
+    expected = np.sqrt(np.diag(system.C @ X @ system.C.T))
+    metrics = ss.ride_metrics(vehicle, road)
+    np.testing.assert_allclose([metrics[name] for name in system.output_labels], expected, rtol=1e-8)
 
 
 @pytest.mark.parametrize("tracks", ["identical", "independent", "isotropic"])

@@ -24,6 +24,9 @@ LOWEST_OF_STEEP = 1e-12
 # many turns of their phase up, the interference fades out smoothly over a decade, within the tolerance below.
 ABOVE, TURNS, FADE = 10.0, 50.0, 10.0
 
+# In a linear system of any kind both axles may move an output through one integration only, and interfere for longer.
+ABOVE_ANY = 30.0
+
 # Relative to each variance, but no finer than to what the wheels would give alone, where their effects cancel.
 RELATIVE, CANCELLED = 1e-7, 1e-12
 
@@ -48,7 +51,8 @@ def _variances(vehicle: RoadVehicle, road: Road) -> NDArray[np.float64]:
 
     resonances = np.abs(np.linalg.eigvals(model.A)) / (2.0 * np.pi)
     turn = road.speed / (2.0 * np.pi * float(np.max(vehicle.wheelbase))) if np.any(vehicle.wheelbase) else 0.0
-    fading = max(ABOVE * resonances.max(), TURNS * turn)
+    above = ABOVE if model.second_order else ABOVE_ANY
+    fading = max(above * resonances.max(), TURNS * turn)
 
     def integrand(u: NDArray) -> NDArray:
         f = np.exp(u[:, 0])
