@@ -23,6 +23,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={f"vehicles.{module}": classes for module, classes in CLASSES.items()}
     | {
+        "vehicles.linear": ["LinearVehicle"],
         "vehicles.parameters": ["Corners"],
         "roads": ["DEFAULT_ROAD", "Road"],
         "responses": ["frequency_response", "psd", "simulate"],

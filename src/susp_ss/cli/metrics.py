@@ -1,6 +1,7 @@
 """``susp-ss metrics``: the ride of one vehicle on one road."""
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..roads.road import Road
+    from ..vehicles.contract import RoadVehicle
     from ..vehicles.vehicle import Vehicle
 
 TIME = Quantity("time", "s", "time", bound="> 0")
@@ -55,6 +57,16 @@ def run(
         typer.Option(metavar="s", help="Length of the record, with --method time.", show_default="600"),
     ] = None,
     seed: Annotated[int | None, counted("Seed of the record, with --method time.", show_default="0")] = None,
+    system: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="State space in place of the model: JSON with A, B, C, D, inputs (z_r_fr ... in m, or dz_r_fr ... in "
+            "m/s) and outputs (bacc_cg, sws_fr, any name), or a .mat of the same. Its wheels are the vehicle's, or its "
+            "own (wheels, wheelbase, track_width).",
+            show_default=False,
+        ),
+    ] = None,
     template: Annotated[
         bool, typer.Option("--template", help="Print the vehicle as a file for --vehicle, and compute nothing.")
     ] = False,
@@ -72,9 +84,12 @@ def run(
     An infinite variance shows as inf, in JSON as the text "inf".
     """
     from .. import ride_metrics
-    from ..vehicles.files import vehicle_text
+    from ..vehicles.files import vehicle_table, vehicle_text
+    from ..vehicles.system_files import read_system
 
     if template:
+        if system:
+            raise Refusal("--template prints a model's parameters, which --system has none of")
         typer.echo(vehicle_text(vehicle))
         return
     length = None if duration is None else measured("--duration", duration, TIME, True)
@@ -83,19 +98,32 @@ def run(
         raise Refusal(f"--{next(iter(record))} belongs to --method time, got --method {method}")
     more: dict[str, Any] = {"weighting": _weightings(weighting or []), "points": _points(point or [])}
     with refusals(), Console(stderr=True).status("computing"):
-        result = ride_metrics(vehicle, road, method=method, **more, **record)
+        asked = read_system(system, vehicle) if system else vehicle
+        result = ride_metrics(asked, road, method=method, **more, **record)
     if as_json:
-        typer.echo(json.dumps(_document(vehicle, road, method, result), indent=2))
+        described = _system_table(asked, system) if system else vehicle_table(vehicle)
+        typer.echo(json.dumps(_document(described, road, method, result), indent=2))
     else:
-        _print(vehicle, road, result)
+        _print(f"{asked!r} of {system}" if system else type(vehicle).__name__, road, result)
 
 
-def _document(vehicle: "Vehicle", road: "Road", method: str, result: "xr.Dataset") -> dict[str, Any]:
-    """Everything asked and answered, in SI units."""
-    from ..vehicles.files import vehicle_table
-
+def _system_table(vehicle: "RoadVehicle", file: Path) -> dict[str, Any]:
+    """What a system of a file has been taken for."""
+    layout = vehicle.layout()
     return {
-        "vehicle": vehicle_table(vehicle),
+        "system": str(file),
+        "inputs": list(layout.inputs),
+        "outputs": list(layout.outputs.names),
+        "wheels": {name: wheel._asdict() for name, wheel in vehicle.wheels.items()},
+        "wheelbase": {"value": vehicle.wheelbase, "unit": "m"},
+        "track_width": {"value": vehicle.track_width, "unit": "m"},
+    }
+
+
+def _document(vehicle: dict[str, Any], road: "Road", method: str, result: "xr.Dataset") -> dict[str, Any]:
+    """Everything asked and answered, in SI units."""
+    return {
+        "vehicle": vehicle,
         "road": road_document(road),
         "method": method,
         "units": {name: data.attrs["units"] for name, data in result.items()},
@@ -145,7 +173,7 @@ def _by_place(data: "xr.DataArray") -> list[tuple[str, float]]:
     return list(zip(data[dim].values.tolist(), data.values.tolist(), strict=True))
 
 
-def _print(vehicle: "Vehicle", road: "Road", result: "xr.Dataset") -> None:
+def _print(vehicle: str, road: "Road", result: "xr.Dataset") -> None:
     places = result.point.values.tolist() if "point" in result.dims else []
     table = Table("metric", "unit")
     for place in places or ["value"]:
@@ -157,7 +185,7 @@ def _print(vehicle: "Vehicle", road: "Road", result: "xr.Dataset") -> None:
         else:
             cells = [f"{data.item():.4g}"]
         table.add_row(str(name), typeset(data.attrs["units"]), *cells)
-    typer.echo(f"{type(vehicle).__name__}; {typeset(road.describe())}")
+    typer.echo(f"{vehicle}; {typeset(road.describe())}")
     print_table(table)
     for name, data in result.items():
         typer.echo(f"{name}: {_weighted(data)}{data.attrs['long_name']}{_comment(data)}")

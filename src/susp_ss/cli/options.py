@@ -151,8 +151,8 @@ More = Annotated[
     list[str] | None,
     typer.Option(
         metavar="PARAM=LO:HI:N",
-        help="Values of a parameter, as its own option takes them, or of speed, roughness or cutoff of the road; may be "
-        "repeated.",
+        help="Values of a parameter, as its own option takes them, or of the road's speed, roughness or cutoff; may "
+        "be repeated.",
         show_default=False,
     ),
 ]

@@ -77,5 +77,5 @@ def run(
     line = f"{store}: {done.designs} designs in {done.chunks} chunks, {done.found} of them finished before"
     if done.computed:
         line += f"; {done.computed} designs computed in {seconds:.1f} s, {done.computed / seconds:.0f} a second"
-    typer.echo(f"{type(vehicle).__name__}; {road.describe()}", err=True)
+    typer.echo(f"{type(vehicle).__name__} over {', '.join(axes)}; {road.describe()}", err=True)
     typer.echo(line, err=True)

@@ -12,11 +12,11 @@ import xarray as xr
 
 from ..responses.excitation import design_space
 from ..roads.road import Road
-from ..vehicles.vehicle import Vehicle
+from ..vehicles.contract import RoadVehicle
 from .in_memory import metrics_in_memory, template
 
 
-def lazy_metrics(vehicle: Vehicle, road: Road, how: dict[str, Any]) -> xr.Dataset:
+def lazy_metrics(vehicle: RoadVehicle, road: Road, how: dict[str, Any]) -> xr.Dataset:
     """Metrics by blocks of designs, each computed when Dask computes it."""
     import dask.array
 
@@ -53,7 +53,7 @@ def _without_positions(block: xr.Dataset, unlabelled: list[str], **given: Any) -
     return block_metrics(block, **given).drop_vars(unlabelled)
 
 
-def taken_apart(vehicle: Vehicle, road: Road) -> tuple[Vehicle, Road, xr.Dataset]:
+def taken_apart(vehicle: RoadVehicle, road: Road) -> tuple[RoadVehicle, Road, xr.Dataset]:
     """Split a vehicle and a road into frames, with names in place of array parameters, and the arrays by name."""
     space = design_space(vehicle, road)
     arrays: dict[str, xr.Variable] = {}
@@ -70,7 +70,7 @@ def taken_apart(vehicle: Vehicle, road: Road) -> tuple[Vehicle, Road, xr.Dataset
 
 
 def block_metrics(
-    block: xr.Dataset, frame: Vehicle, road: Road, how: dict[str, Any], dims: Sequence[str]
+    block: xr.Dataset, frame: RoadVehicle, road: Road, how: dict[str, Any], dims: Sequence[str]
 ) -> xr.Dataset:
     """Metrics of the designs that a block of arrays makes of a frame.
 
@@ -95,7 +95,7 @@ def block_metrics(
         def filled(leaf: Any) -> Any:
             return designs[leaf] if isinstance(leaf, str) else leaf
 
-        vehicle, ground = dataclasses.replace(frame.mapped(filled)), dataclasses.replace(road.mapped(filled))
+        vehicle, ground = frame.mapped(filled).checked(), dataclasses.replace(road.mapped(filled))
         whole = metrics_in_memory(vehicle, ground, **how)
         return whole.transpose(*dims, ..., missing_dims="ignore")
 

@@ -16,9 +16,9 @@ from ..responses.labels import labelled_outputs
 from ..responses.simulation import time_variances
 from ..responses.spectral import spectral_variances
 from ..roads.road import Road
+from ..vehicles.contract import RoadVehicle
 from ..vehicles.parameters import DesignSpace
 from ..vehicles.second_order import Layout
-from ..vehicles.vehicle import Vehicle
 
 METHODS = ("covariance", "spectral", "time")
 
@@ -32,7 +32,7 @@ INFINITE = (
 
 
 def metrics_in_memory(
-    vehicle: Vehicle, road: Road, method: str, designs: int, weighting: Mapping[str, Filter], **record: Any
+    vehicle: RoadVehicle, road: Road, method: str, designs: int, weighting: Mapping[str, Filter], **record: Any
 ) -> xr.Dataset:
     """Metrics of a vehicle in memory, part of a sweep of so many designs; ``record`` is for time histories."""
     space, flat, road = spanned(vehicle, road)
@@ -45,9 +45,7 @@ def metrics_in_memory(
         return covariance_variances(flat, space, road, designs), None
 
     layout, (variances, errors) = vehicle.layout(), moments(road)
-    rates = layout.outputs.of("sws_rate")
-    corners = flat.linkage().corners.values()
-    damping = np.stack(np.broadcast_arrays(*(corner.cs for corner in corners))).T
+    rates, damping = layout.rates, flat.damping()
     powers = damping * variances[:, rates], None if errors is None else damping * errors[:, rates]
     for one in dict.fromkeys(weighting.values()):
         through, their_errors = moments(road.weighted(one))
@@ -64,7 +62,7 @@ def metrics_in_memory(
 
 def template(layout: Layout, method: str, weighting: Mapping[str, Filter]) -> xr.Dataset:
     """Metrics of one design as `metrics_in_memory` returns them, without their values."""
-    nothing, power = np.zeros((1, len(layout.outputs))), np.zeros((1, len(layout.corners)))
+    nothing, power = np.zeros((1, len(layout.outputs))), np.zeros((1, len(layout.corners) if layout.dampers else 0))
     timed = method == "time"
     metrics = _labelled(
         layout, DesignSpace.over((), ""), nothing, nothing if timed else None, (power, power if timed else None)
@@ -81,7 +79,8 @@ def _labelled(
     power, of_power = powers
     roots = np.sqrt(variances, out=variances)
     metrics = labelled_outputs(layout, roots, power, space, long_name="{statistic} {meaning}")
-    metrics.dtl.attrs["comment"] = INFINITE
+    if "dtl" in metrics:
+        metrics.dtl.attrs["comment"] = INFINITE
     if errors is None or of_power is None:
         return metrics
     with np.errstate(divide="ignore", invalid="ignore"):

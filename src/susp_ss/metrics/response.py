@@ -14,8 +14,8 @@ from ..responses.excitation import check_kinds
 from ..responses.labels import dim_of
 from ..responses.settings import settable
 from ..roads.road import Road
+from ..vehicles.contract import RoadVehicle
 from ..vehicles.parameters import Corners
-from ..vehicles.vehicle import Vehicle
 from .ride import ride_metrics
 
 Array = NDArray[np.float64]
@@ -71,7 +71,7 @@ class Response:
 
     def __init__(
         self,
-        vehicle: Vehicle,
+        vehicle: RoadVehicle,
         road: Road,
         criterion: str = "bacc",
         at: str | None = None,
@@ -97,7 +97,8 @@ class Response:
         for name in named:
             if known[name].wheel is not None and known[name].field in named:
                 raise ValueError(f"{name!r} and {known[name].field!r} set one parameter, got both; pass one of them")
-        self.vehicle, self.road, self.criterion, self.at = vehicle, road, criterion, at
+        self.vehicle: Any = vehicle
+        self.road, self.criterion, self.at = road, criterion, at
         self.inputs, self.parameter = tuple(inputs), parameter
         self._check_place()
         if parameter is not None:
@@ -161,5 +162,6 @@ class Response:
         for field, values in fields.items():
             if isinstance(values, dict):
                 fields[field] = Corners(**values) if len(values) == 4 else tuple(values.values())
-        metric = ride_metrics(dataclasses.replace(self.vehicle, **fields), road)[self.criterion]
+        vehicle = dataclasses.replace(self.vehicle, **fields) if fields else self.vehicle
+        metric = ride_metrics(vehicle, road)[self.criterion]
         return np.broadcast_to((metric if self.at is None else metric.sel({metric.dims[-1]: self.at})).to_numpy(), n)

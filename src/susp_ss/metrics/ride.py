@@ -10,14 +10,14 @@ import xarray as xr
 from ..quantities import briefly
 from ..responses.excitation import check_kinds, design_space
 from ..roads.road import Road
-from ..vehicles.vehicle import Vehicle
+from ..vehicles.contract import RoadVehicle
 from .blocks import lazy_metrics
 from .in_memory import METHODS, metrics_in_memory
 from .weightings import filters
 
 
 def ride_metrics(
-    vehicle: Vehicle,
+    vehicle: RoadVehicle,
     road: Road,
     method: Literal["covariance", "spectral", "time"] = "covariance",
     *,
@@ -32,8 +32,9 @@ def ride_metrics(
     Parameters
     ----------
     vehicle : Vehicle
-        Parameters that are arrays make a sweep, whose dims come first in the result. If one is a DataArray of Dask
-        blocks, so is the result: each block's values are checked when it is computed.
+        Any of the five models, or a `LinearVehicle`. Parameters that are arrays make a sweep, whose dims come first in
+        the result. If one is a DataArray of Dask blocks, so is the result: each block's values are checked when it is
+        computed.
     road : Road
         What the wheels run over; its speed, roughness and cut-off may be arrays as well.
     method : {"covariance", "spectral", "time"}

@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 
 from ..quantities import briefly
 from ..roads.road import Road
+from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import DesignSpace, computed
-from ..vehicles.second_order import SecondOrder, beyond_rounding
-from ..vehicles.vehicle import Vehicle
+from ..vehicles.second_order import beyond_rounding
+
+# Rates of what integrates that are no larger than this, relative to their terms, are what splitting them off leaves.
+DRIFT = 1e-9
 
 
 class Process(NamedTuple):
@@ -38,25 +41,25 @@ def check_kinds(vehicle: Any, *roads: Any) -> None:
     TypeError
         Naming the argument and an example of what it may be.
     """
-    if not isinstance(vehicle, Vehicle):
+    if not isinstance(vehicle, RoadVehicle):
         raise TypeError(f"vehicle must be one of the package's vehicles, such as QuarterCar(), got {briefly(vehicle)}")
     for road in roads:
         if not isinstance(road, Road):
             raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {briefly(road)}")
 
 
-def design_space(vehicle: Vehicle, road: Road) -> DesignSpace:
+def design_space(vehicle: RoadVehicle, road: Road) -> DesignSpace:
     """The designs that a vehicle and a road span together."""
     return DesignSpace.over([*vehicle.leaves(), *road.leaves()], type(vehicle).__name__)
 
 
-def spanned(vehicle: Vehicle, road: Road) -> tuple[DesignSpace, Vehicle, Road]:
+def spanned(vehicle: RoadVehicle, road: Road) -> tuple[DesignSpace, Any, Road]:
     """The designs that a vehicle and a road span together, and both with all of them in one row."""
     space = design_space(vehicle, road)
     return space, vehicle.flattened(space), road.mapped(lambda x: space.flat(computed(x)))
 
 
-def processes(vehicle: Vehicle, road: Road) -> list[Process]:
+def processes(vehicle: RoadVehicle, road: Road) -> list[Process]:
     """Split what the wheels see into independent processes.
 
     Raises
@@ -79,15 +82,20 @@ def processes(vehicle: Vehicle, road: Road) -> list[Process]:
     if road.tracks == "identical" or not side.any():
         return [process(excited, 1.0, 0)]
     sign = 1 if road.tracks == "isotropic" else 0
+    if sign and not np.all(np.asarray(vehicle.track_width) > 0.0):
+        raise ValueError(
+            f"isotropic tracks need the track width of the vehicle, and this {type(vehicle).__name__} has none; pass "
+            "LinearVehicle(track_width=...) > 0 m"
+        )
     return [process(excited, 0.5, sign), process(side * excited, 0.5, -sign)]
 
 
-def delay(vehicle: Vehicle, road: Road) -> Any:
+def delay(vehicle: RoadVehicle, road: Road) -> Any:
     """Time in s from the front to the rear wheels, one number or one a design."""
     return vehicle.wheelbase / road.speed
 
 
-def check_stationary(vehicle: Vehicle, road: Road, model: SecondOrder) -> None:
+def check_stationary(vehicle: RoadVehicle, road: Road, model: Model) -> None:
     """Say when a vehicle on a road has no stationary response.
 
     Raises
@@ -96,28 +104,36 @@ def check_stationary(vehicle: Vehicle, road: Road, model: SecondOrder) -> None:
         A mode of some design is never damped, the vehicle feels the height of the road, or the wheels' heights drift
         apart in the one direction that a rigid body cannot follow.
     """
-    kind = type(vehicle).__name__
-    if np.any(model.unstable()):
-        raise ValueError(f"{kind} has a mode that no damper reaches; pass cs > 0 at every corner")
-    if not model.rides_along:
-        raise ValueError(
-            f"{kind} has a stiffness that feels the height of the road, which has no finite variance; add its share "
-            "of K_in as well, dK_in = dK G"
-        )
-    if model.warp is None or np.all(np.asarray(road.cutoff) > 0.0):
+    refusal = model.refusal()
+    if refusal:
+        raise ValueError(f"{type(vehicle).__name__} {refusal}")
+    if np.all(np.asarray(road.cutoff) > 0.0):
         return
     for process in processes(vehicle, road):
-        at_once, later = model.warp @ process.now, model.warp @ process.later
+        at_once, drift = integrated(model, process)
         # Delayed independent tracks leave a difference whose spectrum still diverges from waviness 3 on.
-        diverges = road.slopes[0] >= 3.0 and process.sign == 0 and at_once != 0.0
-        if at_once + later != 0.0 or diverges:
+        diverges = (at_once != 0.0) & (road.slopes[0] >= 3.0 and process.sign == 0)
+        which = np.any((drift != 0.0) | diverges, axis=tuple(range(drift.ndim - 1)))
+        if which.any():
             raise ValueError(
-                f"the warp of the road under the four wheels has no finite variance ({road.describe()}), so that "
-                "SWS and DTL have none either; pass cutoff > 0, or let all wheels see a road of waviness below 3"
+                f"{model.drifting(which)} ({road.describe()}); pass cutoff > 0, or let all wheels see a road of "
+                "waviness below 3"
             )
 
 
-def infinite_outputs(model: SecondOrder, excited: list[Process], road: Road) -> NDArray[np.bool_]:
+def integrated(model: Model, process: Process) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Rates (designs..., k) of what integrates, under the process at once, and under both axles together.
+
+    The latter is what drifts: exactly zero where the rear wheels undo what the front ones did.
+    """
+    at_once, later = model.integrators @ process.now, model.integrators @ process.later
+    sizes = np.abs(model.integrators) @ (np.abs(process.now) + np.abs(process.later))
+    return np.where(np.abs(at_once) > DRIFT * sizes, at_once, 0.0), np.where(
+        np.abs(at_once + later) > DRIFT * sizes, at_once + later, 0.0
+    )
+
+
+def infinite_outputs(model: Model, excited: list[Process], road: Road) -> NDArray[np.bool_]:
     """Outputs (designs..., outputs) that pass the road's velocity straight on, which has no finite variance.
 
     It has one only where its spectrum falls off at high frequency, from waviness 3 on or with a contact of some length.
@@ -127,3 +143,19 @@ def infinite_outputs(model: SecondOrder, excited: list[Process], road: Road) -> 
     weights = np.stack([side for process in excited for side in (process.now, process.later)], axis=-1)
     passed_on, terms = model.on_road_velocity @ weights, np.abs(model.on_road_velocity) @ np.abs(weights)
     return np.any(beyond_rounding(passed_on, terms), axis=-1)
+
+
+def vanishing_outputs(model: Model, excited: list[Process]) -> NDArray[np.bool_]:
+    """Outputs (designs..., outputs) that no process moves, as what each wheel does to them cancels: by symmetry.
+
+    It does so at every frequency, of which a few between the slowest and the fastest mode tell.
+    """
+    rates = np.abs(np.linalg.eigvals(model.A))
+    H = model.relative_transfer(np.geomspace(rates.min(), rates.max(), 5))
+    still = np.ones((*H.shape[:-3], H.shape[-2]), dtype=bool)
+    for process in excited:
+        for side in (process.now, process.later):
+            still &= np.all(np.abs(H @ side) <= DRIFT * (np.abs(H) @ np.abs(side)), axis=-2)
+        for rate in integrated(model, process):
+            still &= (model.on_integrators @ rate[..., None])[..., 0] == 0.0
+    return still

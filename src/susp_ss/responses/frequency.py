@@ -10,12 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..quantities import briefly
 from ..roads.road import Road
-from ..vehicles.second_order import SecondOrder
-from ..vehicles.vehicle import Vehicle
-from .excitation import check_kinds, delay, processes, spanned
+from ..vehicles.contract import Model, RoadVehicle
+from .excitation import check_kinds, delay, integrated, processes, spanned
 
 
-def frequency_response(vehicle: Vehicle, frequency: ArrayLike) -> xr.DataArray:
+def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArray:
     """Complex response of every output to the height of the road under every wheel.
 
     ``H(f) = Y (K - w^2 M + j w C)^-1 (K_in + j w C_in) + ...`` with ``w = 2 pi f``, solved relative to the road so that
@@ -63,7 +62,7 @@ def frequency_response(vehicle: Vehicle, frequency: ArrayLike) -> xr.DataArray:
     return result
 
 
-def psd(vehicle: Vehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
+def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     """One-sided spectrum of every output on a random road.
 
     ``S_y(f) = sum over processes |H(f) (b_now + b_later e^(-j w tau))|^2 G(f)``, the processes being the mean and the
@@ -111,14 +110,14 @@ def psd(vehicle: Vehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
 
 
 def output_density(
-    vehicle: Vehicle, model: SecondOrder, road: Road, f: NDArray, interference: ArrayLike = 1.0
+    vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, interference: ArrayLike = 1.0
 ) -> NDArray:
     """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs).
 
     ``interference`` (F,) weighs the cross term of front and rear wheels, which turns with the delay.
     """
     omega = 2.0 * np.pi * f
-    H = model.transfer(omega)
+    H, s = model.relative_transfer(omega), 1j * omega[:, None]
     lag = np.exp(-1j * omega * np.asarray(delay(vehicle, road))[..., None])
     width = np.asarray(vehicle.track_width)[..., None]
     road = road.mapped(lambda x: np.asarray(x)[..., None])
@@ -131,7 +130,11 @@ def output_density(
         if process.sign:
             apart = road.incoherence(f / road.speed, width)
             share = 0.5 * (apart if process.sign < 0 else 2.0 - apart)
-        now, later = H @ process.now, lag[..., None] * (H @ process.later)
+        at_once, drift = (
+            (model.on_integrators @ rate[..., None])[..., None, :, 0] for rate in integrated(model, process)
+        )
+        now = H @ process.now + at_once / s
+        later = lag[..., None] * (H @ process.later + (drift - at_once) / s)
         # The sum first: at low frequency a warp of either axle is large and nearly cancels the other's.
         power = np.abs(now + later) ** 2
         power -= 2.0 * (1.0 - np.asarray(interference))[..., None] * (now * later.conj()).real

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..quantities import ROAD, Quantity, signal
-from ..vehicles.vehicle import Vehicle
+from ..vehicles.contract import RoadVehicle
 
 
 class Setting(NamedTuple):
@@ -16,7 +16,7 @@ class Setting(NamedTuple):
     quantity: Quantity
 
 
-def settable(vehicle: Vehicle) -> dict[str, Setting]:
+def settable(vehicle: RoadVehicle) -> dict[str, Setting]:
     """Every name that sets something of a vehicle and its road."""
     quantities = vehicle.quantities()
     known = {

@@ -13,9 +13,8 @@ from ..progress import tracked
 from ..quantities import briefly, whole_number
 from ..roads.profiles import synthesise
 from ..roads.road import Road
+from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import DesignSpace
-from ..vehicles.second_order import SecondOrder
-from ..vehicles.vehicle import Vehicle
 from .excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
 from .labels import labelled_outputs
 
@@ -30,7 +29,7 @@ SWINGING = 1e-6
 MOST_STEPS = 1e7
 
 
-def simulate(vehicle: Vehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
+def simulate(vehicle: RoadVehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
     """Drive a vehicle over given road heights.
 
     The heights are taken as linear between samples and the states advance exactly (`control.forced_response`). The
@@ -73,13 +72,13 @@ def simulate(vehicle: Vehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
     t = _checked_time(time)
     z = _checked_profile(profile, tuple(vehicle.wheels), len(t))
     y = _outputs(model, z, t)
-    power = model.damping[:, None] * y[model.layout.outputs.of("sws_rate")] ** 2
+    power = model.damping[:, None] * y[model.layout.rates] ** 2
     history = labelled_outputs(model.layout, y[None], power[None], vehicle.design_space(), ("time",), {"time": t})
     history.time.attrs["units"] = "s"
     return history
 
 
-def _outputs(model: SecondOrder, z: Array, t: Array) -> Array:
+def _outputs(model: Model, z: Array, t: Array) -> Array:
     """All outputs (outputs, T) on road heights (inputs, T), from static equilibrium on the first."""
     import control
 
@@ -92,7 +91,7 @@ def _outputs(model: SecondOrder, z: Array, t: Array) -> Array:
 
 
 def time_variances(
-    flat: Vehicle, space: DesignSpace, road: Road, duration: float, step: float, seed: int
+    flat: RoadVehicle, space: DesignSpace, road: Road, duration: float, step: float, seed: int
 ) -> tuple[Array, Array]:
     """Mean squares (designs, outputs) over a synthesised record, and their standard errors.
 
@@ -114,7 +113,7 @@ def time_variances(
     return np.stack(squares), np.stack(errors)
 
 
-def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, seed: int) -> tuple[Array, Array]:
+def _mean_squares(vehicle: RoadVehicle, road: Road, duration: float, step: float, seed: int) -> tuple[Array, Array]:
     model = vehicle.assemble()
     check_stationary(vehicle, road, model)
     excited = processes(vehicle, road)

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.integrate import cubature
 
 from ..roads.road import Road
+from ..vehicles.contract import RoadVehicle
 from ..vehicles.parameters import DesignSpace
-from ..vehicles.vehicle import Vehicle
 from .excitation import check_stationary, infinite_outputs, processes
 from .frequency import output_density
 
@@ -24,11 +24,14 @@ LOWEST_OF_STEEP = 1e-12
 # many turns of their phase up, the interference fades out smoothly over a decade, within the tolerance below.
 ABOVE, TURNS, FADE = 10.0, 50.0, 10.0
 
+# In a linear system of any kind both axles may move an output through one integration only, and interfere for longer.
+ABOVE_ANY = 30.0
+
 # Relative to each variance, but no finer than to what the wheels would give alone, where their effects cancel.
 RELATIVE, CANCELLED = 1e-7, 1e-12
 
 
-def spectral_variances(flat: Vehicle, space: DesignSpace, road: Road) -> NDArray[np.float64]:
+def spectral_variances(flat: RoadVehicle, space: DesignSpace, road: Road) -> NDArray[np.float64]:
     """Integrate ``S_y(f) df`` over all frequencies: variances (designs, outputs) of all outputs of all designs.
 
     Adaptive Gauss-Kronrod cubature in log frequency with breaks at the resonances. An output that passes the road's
@@ -37,17 +40,19 @@ def spectral_variances(flat: Vehicle, space: DesignSpace, road: Road) -> NDArray
     return np.stack([_variances(flat.select(slice(i, i + 1)), road.one(i)) for i in range(space.size)])
 
 
-def _variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
+def _variances(vehicle: RoadVehicle, road: Road) -> NDArray[np.float64]:
     model = vehicle.assemble()
     check_stationary(vehicle, road, model)
     infinite = infinite_outputs(model, processes(vehicle, road), road).reshape(-1)
     span = np.geomspace(1e-3, 1e3, 1000)
     density = np.sum(np.abs(model.transfer(2.0 * np.pi * span)) ** 2, axis=-1) * road.intensity
     scale = np.trapezoid(density, span, axis=-2).reshape(-1)
+    scale[scale == 0.0] = 1.0
 
     resonances = np.abs(np.linalg.eigvals(model.A)) / (2.0 * np.pi)
     turn = road.speed / (2.0 * np.pi * float(np.max(vehicle.wheelbase))) if np.any(vehicle.wheelbase) else 0.0
-    fading = max(ABOVE * resonances.max(), TURNS * turn)
+    above = ABOVE if model.second_order else ABOVE_ANY
+    fading = max(above * resonances.max(), TURNS * turn)
 
     def integrand(u: NDArray) -> NDArray:
         f = np.exp(u[:, 0])

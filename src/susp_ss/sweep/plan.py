@@ -164,7 +164,8 @@ def _along(vehicle: Vehicle, road: Road, axes: Mapping[str, ArrayLike]) -> tuple
         labels = {"units": quantities[field].unit, "long_name": f"{quantities[field].meaning}{at}"}
         arrays[name] = xr.DataArray(values, {name: (name, values.astype(float), labels)})
     of_road = {name: arrays.pop(name) for name in ROAD if name in arrays}
-    return vehicle.replaced(**arrays), dataclasses.replace(road, **of_road)
+    ground: Any = of_road
+    return vehicle.replaced(**arrays), dataclasses.replace(road, **ground)
 
 
 def chunks(sizes: Mapping[str, int], most: int) -> dict[str, int]:

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,6 +94,7 @@ class Layout:
     corners: tuple[str, ...]
     outputs: Outputs
     warps: bool
+    dampers: bool = True
 
     @cached_property
     def variables(self) -> dict[str, tuple[Quantity, tuple[str, ...]]]:
@@ -103,8 +104,14 @@ class Layout:
         """
         outputs = self.outputs
         measured = {name: (quantity, outputs.places(name)) for name, quantity in outputs.quantities.items()}
-        measured["damper_power"] = METRICS["damper_power"], self.corners
+        if self.dampers:
+            measured["damper_power"] = METRICS["damper_power"], self.corners
         return {name: measured[name] for name in dict.fromkeys([*METRICS, *measured]) if name in measured}
+
+    @property
+    def rates(self) -> slice | list[int]:
+        """The rows of the suspension velocities at every corner that damper powers are made of, if any are."""
+        return self.outputs.of("sws_rate") if self.dampers else []
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -143,6 +150,7 @@ class SecondOrder:
     damping: Array
     warp: Array | None
 
+    second_order: ClassVar[bool] = True
     damped: NDArray[np.bool_] | None = field(default=None, init=False)
     """Designs (designs...,) whose every mode is known to be damped. `dataclasses.replace` does not hand it on."""
 
@@ -186,6 +194,16 @@ class SecondOrder:
         if self.warp is None:
             return np.zeros(self.R.shape[:-1])
         return (self.R @ self.G + self.N) @ (self.warp / (self.warp @ self.warp))
+
+    @cached_property
+    def integrators(self) -> Array:
+        """The warp's rate per road velocity, (1, inputs); no row where there is none."""
+        return np.zeros((0, len(self.layout.inputs))) if self.warp is None else self.warp[None]
+
+    @cached_property
+    def on_integrators(self) -> Array:
+        """Outputs per what integrates, (designs..., outputs, 1)."""
+        return self.on_warp[..., None][..., : len(self.integrators)]
 
     @cached_property
     def on_warp(self) -> Array:
@@ -234,12 +252,13 @@ class SecondOrder:
             Y = np.concatenate([Y, self.on_warp[..., None]], axis=-1)
         return A, B, Y, self.on_road_velocity
 
-    def transfer(self, omega: Array) -> Array:
+    def relative_transfer(self, omega: Array) -> Array:
         """Outputs per road VELOCITY at angular frequencies ``omega`` (F,), as (designs..., F, outputs, inputs).
 
+        The static warp, which grows as ``1/s``, is left out.
         With ``D = K + s C + s^2 M`` and ``s = j w``, the road-relative positions solve ``D p = C_in - C G - s M G`` and
         the velocities ``D v = K_in + s C_in``: either right-hand side alone would lose the other's digits at one
-        end of the frequency axis. What grows as ``1/s`` is the static warp alone.
+        end of the frequency axis.
         """
         s = 1j * np.asarray(omega, dtype=float)[:, None, None]
         M = self.m[..., None, :, None] * np.eye(len(self.layout.coordinates))
@@ -247,10 +266,31 @@ class SecondOrder:
         right = np.concatenate(np.broadcast_arrays(C_in - C @ G - s * (M @ G), K_in + s * C_in), axis=-1)
         p, v = np.split(np.linalg.solve(K + s * (C + s * M), right), 2, axis=-1)
         H = self.on_position[..., None, :, :] @ p + self.on_velocity[..., None, :, :] @ v
-        H = H + self.on_road_velocity[..., None, :, :]
-        if self.warp is not None:
-            H = H + self.on_warp[..., None, :, None] * self.warp / s
-        return H
+        return np.asarray(H + self.on_road_velocity[..., None, :, :])
+
+    def transfer(self, omega: Array) -> Array:
+        """The same with the static warp."""
+        s = 1j * np.asarray(omega, dtype=float)[:, None, None]
+        return np.asarray(self.relative_transfer(omega) + (self.on_integrators @ self.integrators)[..., None, :, :] / s)
+
+    def in_states(self, X: Array) -> Array:
+        """A covariance in the states that the layout names, which are those of `velocity_form`."""
+        return X
+
+    def refusal(self) -> str:
+        """Why no road of random height has a stationary response; nothing where it may have."""
+        if np.any(self.unstable()):
+            return "has a mode that no damper reaches; pass cs > 0 at every corner"
+        if not self.rides_along:
+            return (
+                "has a stiffness that feels the height of the road, which has no finite variance; add its share of "
+                "K_in as well, dK_in = dK G"
+            )
+        return ""
+
+    def drifting(self, which: NDArray[np.bool_]) -> str:
+        """What has no finite variance where the warp drifts."""
+        return "the warp of the road under the four wheels has no finite variance, so that SWS and DTL have none either"
 
     def unstable(self) -> NDArray[np.bool_]:
         """Designs with a mode that is not damped: not asymptotically stable. Eigenvalues tell where nothing else does.

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..quantities import PARAMETERS, Quantity, briefly, signal
+from .contract import RoadVehicle
 from .decoupled import Half, halves
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Vehicle:
+class Vehicle(RoadVehicle):
     """A linear vehicle on its wheels: frozen parameters, each a number, an array or a DataArray.
 
     A kind of vehicle states its parameters as fields, its ``wheels``, the fields that each corner may have for itself,
@@ -201,6 +202,10 @@ class Vehicle:
             object.__setattr__(mapped, name, value)
         return mapped
 
+    def checked(self) -> Self:
+        """The same vehicle, its parameters checked."""
+        return dataclasses.replace(self)
+
     def with_points(self, points: Mapping[str, tuple[float, float]]) -> Vehicle:
         """The same vehicle, measured at further points of its body.
 
@@ -230,6 +235,10 @@ class Vehicle:
     def assemble(self) -> SecondOrder:
         """Matrices of the second-order model, stacked over the designs of a flattened vehicle."""
         return self.linkage().assemble()
+
+    def damping(self) -> NDArray[np.float64]:
+        """Damping rate at every corner of a flattened vehicle, (corners,) or (designs, corners)."""
+        return np.stack(np.broadcast_arrays(*(corner.cs for corner in self.linkage().corners.values()))).T
 
     def halves(self) -> tuple[Half, ...]:
         """The mean of left and right, and half their difference, of a flattened vehicle.

@@ -90,14 +90,34 @@ class Correlations:
         own = self.white * tau[:, 0] + np.real((self.weights * (tau - memory)).sum(axis=-3))
         return now * cross, now**2 * own[:, :, 0]
 
-    def passed_on(self, now: float, later: float) -> PassedOn:
+    def integrated(self, at_once: Any, drift: Any) -> tuple[Any, Any]:
+        """``E[x h]`` (N, n, k) and ``E[h h^T]`` (N, k, k) of k integrals ``h``, whose rates are rows (N, k).
+
+        ``h' = at_once u(t) + (drift - at_once) u(t - tau)``: where nothing drifts, all are one integral over the delay.
+        """
+        at_once, later = at_once[:, None], (drift - at_once)[:, None]
+        if not drift.any():
+            cross, own = self.warp(1.0, -1.0)
+            return cross * at_once, own[..., None] * (at_once.mT * at_once)
+        cross, own = self.warp(1.0, 0.0)
+        own = own[..., None]
+        if not later.any():
+            return cross * at_once, own * (at_once.mT * at_once)
+        both = 0.5 * self.warp(1.0, 1.0)[1][..., None] - own
+        mixed = at_once.mT * later
+        return (
+            cross * at_once + self.warp(0.0, 1.0)[0] * later,
+            own * (at_once.mT * at_once + later.mT * later) + both * (mixed + mixed.mT),
+        )
+
+    def passed_on(self, now: Any, later: Any) -> PassedOn:
         """What a velocity of finite variance (``white`` is zero) has to do with the states and the warp of `warp`."""
         sigma2 = 0.5 * self.weights * self.alphas
         g, h, variance, lagged = (
             np.real((sigma2 * x).sum(axis=-3))
             for x in (self.now, self.before + self.forced, 1.0 + 0.0 * self.decay, self.decay)
         )
-        if now + later != 0.0:
+        if np.any(now + later):
             # The height is the sum of colours of variance -weight / (2 alpha), and the velocity its derivative.
             slope = np.real((-0.5 * self.weights * self.decay).sum(axis=-3))
             with_warp = -later * slope, now * slope

@@ -9,7 +9,7 @@ structure of a second-order system (`lyapunov`).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,12 +17,14 @@ from numpy.typing import NDArray
 
 from ...roads.colours import colours
 from ...roads.road import Road
+from ...vehicles.contract import RoadVehicle
+from ...vehicles.linear import LinearModel
 from ...vehicles.parameters import DesignSpace
 from ...vehicles.second_order import SecondOrder
-from ...vehicles.vehicle import Vehicle
-from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, processes, spanned
+from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, integrated, processes, spanned
 from .first_order import Correlations, Spectrum
 from .lyapunov import Dynamics
+from .modal import Modal
 
 Array = NDArray[np.float64]
 
@@ -35,19 +37,19 @@ BATCH = 256
 
 
 class Moments(NamedTuple):
-    """Matrices of a batch of designs, covariance (N, 2n [+ 1], 2n [+ 1]) of (p, v [, warp]), its error (N,).
+    """Matrices of a batch of designs, covariance (N, n + k, n + k) of (p, v) and what integrates, its error (N,).
 
     ``through`` (N, outputs) is what a road velocity of finite variance adds where it is passed straight on.
     """
 
-    model: SecondOrder
+    model: Any
     X: Array
     error: Array
     through: Array
     infinite: NDArray[np.bool_]
 
 
-def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
+def covariance(vehicle: RoadVehicle, road: Road) -> xr.DataArray:
     """Stationary covariance of the road-relative states.
 
     Solves ``A X + X A^T + Q = 0`` exactly, the wheelbase delay included, under the assumption that every eigenvalue
@@ -86,7 +88,7 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     space, flat, road = spanned(vehicle, road)
     solved = [moments(flat, space, road, chosen, LOST_MATRIX) for chosen in batches(np.arange(space.size), BATCH)]
     states = list(solved[0].model.layout.relative_states)
-    X = np.concatenate([batch.X for batch in solved])
+    X = np.concatenate([batch.model.in_states(batch.X) for batch in solved])
     labels = {"state": states, "state_": states}
     return space.unflatten(X, ("state", "state_"), labels).rename("covariance")
 
@@ -96,7 +98,7 @@ def batches(designs: NDArray[np.int_], size: int) -> Iterator[NDArray[np.int_]]:
     return (designs[i : i + size] for i in range(0, len(designs), size))
 
 
-def lost_digits(flat: Vehicle, space: DesignSpace, design: int) -> ValueError:
+def lost_digits(flat: RoadVehicle, space: DesignSpace, design: int) -> ValueError:
     """Say which design cannot be computed to six digits."""
     return ValueError(
         f"{type(flat).__name__}{space.place(design)} is damped so lightly or so heavily, has "
@@ -105,7 +107,7 @@ def lost_digits(flat: Vehicle, space: DesignSpace, design: int) -> ValueError:
     )
 
 
-def moments(flat: Vehicle, space: DesignSpace, road: Road, chosen: NDArray[np.int_], lost: float) -> Moments:
+def moments(flat: RoadVehicle, space: DesignSpace, road: Road, chosen: NDArray[np.int_], lost: float) -> Moments:
     """Covariance of some designs of a flattened vehicle, each with an error below ``lost``."""
     whole, designs, road = road, flat.select(chosen), road.select(chosen)
     model = designs.assemble()
@@ -125,47 +127,65 @@ def moments(flat: Vehicle, space: DesignSpace, road: Road, chosen: NDArray[np.in
     return solved
 
 
-def _solved(vehicle: Vehicle, model: SecondOrder, road: Road, N: int) -> Moments:
+class System(NamedTuple):
+    """``x' = A x + inputs w`` in coordinates that a solver likes; ``stretch`` (..., n) takes them back."""
+
+    dynamics: Any
+    inputs: Array
+    stretch: Array
+
+
+def _second_order(model: SecondOrder, N: int) -> System:
     n = len(model.layout.coordinates)
     root = np.sqrt(model.m)
     scale = 1.0 / (root[..., :, None] * root[..., None, :])
     dynamics = Dynamics(*(np.broadcast_to(x * scale, (N, n, n)) for x in (model.K, model.C)))
     inputs = np.concatenate([-root[..., None] * model.G, model.C_in / root[..., None]], axis=-2)
+    return System(dynamics, inputs, np.concatenate([1.0 / root, 1.0 / root], axis=-1))
+
+
+def _first_order(model: LinearModel) -> System:
+    n = model.A.shape[-1]
+    return System(Modal(model.A, model.rates, model.vectors), model.velocity_form()[1][..., :n, :], np.ones(n))
+
+
+def _solved(vehicle: RoadVehicle, model: Any, road: Road, N: int) -> Moments:
+    dynamics, inputs, stretch = _second_order(model, N) if model.second_order else _first_order(model)
+    n, k = inputs.shape[-2], model.integrators.shape[-2]
     tau = np.broadcast_to(delay(vehicle, road), (N,))
     width = np.broadcast_to(vehicle.track_width, (N,)).astype(float)
 
-    stretch = np.concatenate([1.0 / root, 1.0 / root], axis=-1)
     Y, D = model.velocity_form()[2:]
-    Q, through = np.zeros((N, 2 * n, 2 * n)), np.zeros((N, Y.shape[-2]))
-    with_warp, of_warp = np.zeros((N, 2 * n, 1)), np.zeros((N, 1))
+    Q, through = np.zeros((N, n, n)), np.zeros((N, Y.shape[-2]))
+    with_drift, of_drift = np.zeros((N, n, k)), np.zeros((N, k, k))
     excited = processes(vehicle, road)
     for process in excited:
         terms = colours(road, process.share, process.sign, width)
         spectrum = Spectrum(terms.white[:, :, None], terms.alphas, terms.weights)
-        front, rear = (np.broadcast_to(inputs @ side, (N, 2 * n))[..., None] for side in (process.now, process.later))
-        free, forced = front, np.zeros((N, spectrum.alphas.shape[1], 2 * n, 1))
+        front, rear = (np.broadcast_to(inputs @ side, (N, n))[..., None] for side in (process.now, process.later))
+        free, forced = front, np.zeros((N, spectrum.alphas.shape[1], n, 1))
         if process.later.any():
             free, forced = dynamics.propagate(front[..., 0], tau, spectrum.alphas)
         stirred = Correlations(dynamics, front, rear, free, forced, spectrum, tau)
         Q += stirred.right_hand_side()
-        warped = (0.0, 0.0)
-        if model.warp is not None and (process.now @ model.warp or process.later @ model.warp):
-            warped = float(process.now @ model.warp), float(process.later @ model.warp)
-            cross, own = stirred.warp(*warped)
-            with_warp += cross
-            of_warp += own
+        at_once, drift = (np.broadcast_to(rate, (N, k)) for rate in integrated(model, process))
+        if at_once.any() or drift.any():
+            cross, own = stirred.integrated(at_once, drift)
+            with_drift += cross
+            of_drift += own
         if road.velocity_is_bounded and D.any():
-            at_once, late = (np.broadcast_to(D @ side, through.shape) for side in (process.now, process.later))
-            passed = stirred.passed_on(*warped)
-            with_velocity = [np.concatenate([stretch[..., None] * x, w], axis=-2) for x, w in passed.states]
-            with_now, with_late = ((Y @ x[..., : Y.shape[-1], :])[..., 0] for x in with_velocity)
-            through += 2.0 * (at_once * with_now + late * with_late + at_once * late * passed.lagged)
-            through += (at_once**2 + late**2) * passed.variance
+            now, late = (np.broadcast_to(D @ side, through.shape) for side in (process.now, process.later))
+            passed = stirred.passed_on(at_once[..., None], (drift - at_once)[..., None])
+            with_velocity = [np.concatenate([stretch[..., None] * x, h], axis=-2) for x, h in passed.states]
+            with_now, with_late = ((Y @ x)[..., 0] for x in with_velocity)
+            through += 2.0 * (now * with_now + late * with_late + now * late * passed.lagged)
+            through += (now**2 + late**2) * passed.variance
 
     X, error = dynamics.lyapunov(Q)
     X = X * (stretch[..., :, None] * stretch[..., None, :])
-    if model.warp is not None:
-        X = np.pad(X, [(0, 0), (0, 1), (0, 1)])
-        X[:, :-1, -1] = X[:, -1, :-1] = stretch * with_warp[..., 0]
-        X[:, -1, -1] = of_warp[:, 0]
+    if k:
+        X = np.pad(X, [(0, 0), (0, k), (0, k)])
+        X[:, :n, n:] = stretch[..., None] * with_drift
+        X[:, n:, :n] = X[:, :n, n:].mT
+        X[:, n:, n:] = of_drift
     return Moments(model, X, error, through, infinite_outputs(model, excited, road))

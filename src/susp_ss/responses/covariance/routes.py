@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 
 from ...roads.colours import colours
 from ...roads.road import Road
+from ...vehicles.contract import Model, RoadVehicle
 from ...vehicles.parameters import DesignSpace
-from ...vehicles.vehicle import Vehicle
-from ..excitation import check_stationary, delay, infinite_outputs, processes
+from ..excitation import Process, check_stationary, delay, infinite_outputs, processes, vanishing_outputs
 from . import polynomials
 from .compiler import compiler_found
 from .matrices import BATCH, batches, lost_digits, moments
@@ -50,7 +50,7 @@ PLENTY, MANY = 1_000_000, 50_000
 SHARE = 512
 
 
-def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs: int = 1) -> Array:
+def covariance_variances(flat: RoadVehicle, space: DesignSpace, road: Road, designs: int = 1) -> Array:
     """Variances (designs, outputs) of all outputs of a flattened vehicle's designs; `inf` where white velocity passes.
 
     These may be part of a sweep of more ``designs``, whose number decides what is worth compiling.
@@ -76,14 +76,18 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             list(pool.map(lambda block: solve(block, polynomials_numba), others))
     by_matrices = np.flatnonzero(left)
-    if len(by_matrices) >= MANY and not road.velocity_is_bounded and compiler_found():
+    second_order = flat.select(slice(0, 1)).assemble().second_order
+    if len(by_matrices) >= MANY and second_order and not road.velocity_is_bounded and compiler_found():
         by_matrices = _compiled(flat, road, by_matrices, variances)
     for chosen in batches(by_matrices, BATCH):
         model, X, error, through, infinite = moments(flat, space, road, chosen, LOST)
         Y = model.velocity_form()[2]
         variance = through + np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
         terms = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0))) ** 2
-        values, lost = _sound(variance, terms, error, infinite)
+        if model.second_order:
+            values, lost = _sound(variance, terms, error, infinite)
+        else:
+            values, lost = _seen(variance, terms, error, infinite, model, processes(flat, road))
         if lost.any():
             raise lost_digits(flat, space, int(chosen[np.argmax(lost)]))
         variances[:, chosen] = values.T
@@ -102,7 +106,19 @@ def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.boo
     return np.where(infinite, np.inf, np.where(zero, 0.0, variance)), lost
 
 
-def _compiled(flat: Vehicle, road: Road, designs: NDArray[np.int_], variances: Array) -> NDArray[np.int_]:
+def _seen(
+    variance: Array, terms: Array, error: Array, infinite: NDArray[np.bool_], model: Model, excited: list[Process]
+) -> tuple[Array, NDArray[np.bool_]]:
+    """The same of any linear system, in whose states large variances that no output sees may cancel as by symmetry."""
+    noise = np.maximum(error[:, None], np.finfo(float).eps) * terms
+    kept = infinite | (noise <= LOST * variance)
+    if not kept.all():
+        still = vanishing_outputs(model, excited)
+        variance, kept = np.where(still, 0.0, variance), kept | still
+    return np.where(infinite, np.inf, variance), ~np.all(kept, axis=-1)
+
+
+def _compiled(flat: RoadVehicle, road: Road, designs: NDArray[np.int_], variances: Array) -> NDArray[np.int_]:
     """Fill in the variances (outputs, N) of some designs on every processor; return those that lost digits."""
     from . import matrices_numba
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from ...quantities import signal
 from ...roads import colours as roads
 from ...roads.road import Road
+from ...vehicles.contract import RoadVehicle
 from ...vehicles.decoupled import Half
 from ...vehicles.second_order import Outputs
-from ...vehicles.vehicle import Vehicle
 from ..excitation import Process, delay, processes
 from . import polynomials
 from .polynomials import Array, Body, Colours, Delay, OneStrut, Track, TwoStruts
@@ -126,7 +126,7 @@ class Problem(NamedTuple):
         )
 
 
-def problems(halves: Sequence[Half], vehicle: Vehicle, road: Road, N: int) -> list[Problem]:
+def problems(halves: Sequence[Half], vehicle: RoadVehicle, road: Road, N: int) -> list[Problem]:
     """The halves of N designs on a road as problems; none where there are no halves, or a wheel sees no road.
 
     Nor where a damped tyre passes on a velocity of finite variance, which these polynomials do not hold.
@@ -181,7 +181,7 @@ def as_track(spectrum: roads.Colours) -> Track:
 
 
 def symmetric_variances(
-    halves: Sequence[Half], vehicle: Vehicle, road: Road, N: int, kernels: Any = polynomials
+    halves: Sequence[Half], vehicle: RoadVehicle, road: Road, N: int, kernels: Any = polynomials
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Variances (outputs, N) of N designs by their halves, and which of them (N,) are left to matrices.
 
