@@ -1,0 +1,261 @@
+"""The exact variances of any number of struts on a rigid body from one scalar process: polynomials in ``s``.
+
+Where left and right differ nothing splits, yet the algebra of `polynomials` goes on. With struts i = 1..S, ``kappa`` the
+S x S matrix of suspension forces (``ks + cs s`` of each, and anti-roll bars between pairs), ``E_i = kt + ct s + mu s^2``,
+``T_i = kt + ct s`` and ``U = sum mobility arm arm^T`` the body's compliance, of rank B, the road's velocities w deflect
+the struts by
+
+    [s^2 (E + kappa) + E U kappa] d = s T w.
+
+The determinant of this matrix of polynomials is ``s^(2 (S - B)) D``, and its minors of k > B rows hold ``s^(2 (k - B))``:
+exact zeros, which are left out. Every output is then ``[P(s) u(t) + Q(s) u(t - tau)] / (s D)`` for a road whose wheels
+see ``now u(t) + later u(t - tau)``. D has degree ``2 (S + B)``: 14 for a full car, 18 for a truck of three axles.
+
+With ``s D X = u`` every variance is a fixed combination of the derivatives of X's autocorrelation R at 0 and at tau.
+X itself drifts; where the wheels' heights together carry the body without warping it, ``P(0) + Q(0) = 0``, and R counts
+from R(0) alone.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import combinations
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import polynomials
+from .polynomials import Array, Delay, Track
+
+# A sum of numerators no larger than this, relative to its terms, is zero but for rounding.
+BALANCED = 1e-9
+
+
+class Chassis(NamedTuple):
+    """Struts on a rigid body, as arrays over N designs.
+
+    ``struts`` (S, 5, N) of ``mu, ks, cs, kt, ct``; ``bars`` (M, N) between ``pairs`` (M, 2) of them; the body's
+    coordinates by ``mobility`` (B, N) and ``arms`` (B, S, N).
+    """
+
+    struts: Array
+    pairs: NDArray[np.int_]
+    bars: Array
+    mobility: Array
+    arms: Array
+
+
+class Linked(NamedTuple):
+    """Monic D (n + 1, N), and the deflection of each strut by the road of each, times ``s D`` (S, S, L, N)."""
+
+    D: Array
+    deflections: Array
+
+
+@cache
+def expansions(S: int) -> tuple[NDArray[np.int_], ...]:
+    """How minors of k + 1 rows follow from those of k, along their first row: (minors, k + 1, 3) for k = 0..S - 1.
+
+    Each term is a column, the minor that it multiplies, and a sign; minors count the sets of their columns in order.
+    """
+    tables = []
+    for k in range(S):
+        below = {columns: i for i, columns in enumerate(combinations(range(S), k))}
+        terms = [
+            [(column, below[columns[:t] + columns[t + 1 :]], (-1) ** t) for t, column in enumerate(columns)]
+            for columns in combinations(range(S), k + 1)
+        ]
+        tables.append(np.array(terms))
+    return tuple(tables)
+
+
+def expanded(row: Array, minors: Array, table: NDArray[np.int_], zeros: int) -> Array:
+    """Minors of one more row (S, 5, N) on top, along it, without their lowest coefficients that are zero."""
+    out = np.zeros((len(table), minors.shape[1] + 4, row.shape[2]))
+    for t in range(table.shape[1]):
+        column, below, sign = table[:, t].T
+        factor, minor = row[column] * sign[:, None, None], minors[below]
+        for i in range(5):
+            out[:, i : i + minors.shape[1]] += factor[:, i, None] * minor
+    return out[:, zeros:]
+
+
+def matrix(chassis: Chassis) -> Array:
+    """``s^2 (E + kappa) + E U kappa``, (S, S, 5, N)."""
+    S, N = len(chassis.struts), chassis.struts.shape[2]
+    kappa = np.zeros((S, S, 2, N))
+    for i in range(S):
+        kappa[i, i] = chassis.struts[i, 1:3]
+    for m in range(len(chassis.pairs)):
+        one, other = chassis.pairs[m]
+        kappa[one, one, 0] += chassis.bars[m]
+        kappa[other, other, 0] += chassis.bars[m]
+        kappa[one, other, 0] -= chassis.bars[m]
+        kappa[other, one, 0] -= chassis.bars[m]
+    out = np.zeros((S, S, 5, N))
+    for i in range(S):
+        E = polynomials.wheel(chassis.struts[i])
+        for j in range(S):
+            force = np.zeros((2, N))
+            for m in range(S):
+                u = (chassis.mobility * chassis.arms[:, i] * chassis.arms[:, m]).sum(axis=0)
+                force += u * kappa[m, j]
+            out[i, j, :4] += polynomials.product(E, force)
+            out[i, j, 2:4] += kappa[i, j]
+        out[i, i, 2:] += E
+    return out
+
+
+def linked(chassis: Chassis, tables: tuple[NDArray[np.int_], ...]) -> Linked:
+    """The determinant, and the adjugate times the tyres, by minors from the last row up."""
+    M, S, B, N = matrix(chassis), len(chassis.struts), len(chassis.mobility), chassis.struts.shape[2]
+
+    def zeros(k: int) -> int:
+        return 2 if k > B else 0
+
+    below = [np.ones((1, 1, N))]
+    for k in range(S - 1):
+        below.append(expanded(M[S - 1 - k], below[k], tables[k], zeros(k + 1)))
+    D = expanded(M[0], below[S - 1], tables[S - 1], zeros(S))[0]
+    monic = 1.0 / D[-1]
+    deflections = np.zeros((S, S, len(D) - 1, N))
+    for i in range(S):
+        minors = below[S - 1 - i]
+        for k in range(S - 1 - i, S - 1):
+            minors = expanded(M[S - 2 - k], minors, tables[k], zeros(k + 1))
+        shift = 2 if S == B else 0
+        for j in range(S):
+            column = polynomials.product(minors[S - 1 - j], chassis.struts[i, 3:5] * monic * (-1.0) ** (i + j))
+            deflections[j, i, shift : shift + len(column)] = column[: len(D) - 1 - shift]
+    return Linked(D * monic, deflections)
+
+
+def signals(chassis: Chassis, linked: Linked, weights: Array) -> Array:
+    """Numerators over ``s D`` of what the road stirs, (B + 2 S, n + 1, N), where it moves at ``weights`` (S,) times u.
+
+    Accelerations of the body's coordinates, then deflections and tyre loads of the struts.
+    """
+    S, B = len(chassis.struts), len(chassis.mobility)
+    length, N = len(linked.D), chassis.struts.shape[2]
+    out = np.zeros((B + 2 * S, length, N))
+    accelerations, d, loads = out[:B], out[B : B + S], out[B + S :]
+    for j in range(S):
+        if weights[j] != 0.0:
+            d[:, :-1] += weights[j] * linked.deflections[:, j]
+    m, k, c = chassis.struts[:, 0, None], chassis.struts[:, 1, None], chassis.struts[:, 2, None]
+    force = k * d
+    force[:, 1:] += c * d[:, :-1]
+    for pair, bar in zip(chassis.pairs, chassis.bars, strict=True):
+        across = bar * (d[pair[0]] - d[pair[1]])
+        force[pair[0]] += across
+        force[pair[1]] -= across
+    # The wheel accelerates with the body point above it, and along the deflection.
+    loads[:, 2:] = d[:, :-2]
+    for b in range(B):
+        for i in range(S):
+            accelerations[b] += (chassis.mobility[b] * chassis.arms[b, i]) * force[i]
+        loads += chassis.arms[b][:, None] * accelerations[b]
+    loads *= m
+    loads += force
+    return out
+
+
+def powers(p: Array, D: Array) -> Array:
+    """``s^k p mod s^2 D`` for k = 0..n + 1, each from the one before, (n + 2, n + 2, N).
+
+    Higher powers reduced at once would lose digits, for wheels hop almost alike.
+    """
+    out = np.zeros((len(p), *p.shape))
+    out[0] = p
+    for k in range(len(p) - 1):
+        out[k + 1, 1:] = out[k, :-1]
+        out[k + 1, 2:] -= out[k, -1] * D[:-1]
+    return out
+
+
+def moved(D: Array, tau: Array, squarings: int) -> Array:
+    """``s^k e^(s tau) mod s^2 D``: what X and its derivatives will be, from what they are, (n + 2, n + 2, N)."""
+    drifting = np.zeros((len(D) + 2, D.shape[1]))
+    drifting[2:] = D
+    out = powers(polynomials.delay_operator(drifting, tau / 2.0**squarings, 0), D)
+    for _ in range(squarings):
+        out = powers(combined(out[0], out), D)
+    return out
+
+
+def combined(p: Array, rows: Array) -> Array:
+    """``sum_k p_k rows_k``."""
+    return np.asarray((p[:, None] * rows).sum(axis=0))
+
+
+def hankel(derivatives: Array, rows: int, columns: int) -> Array:
+    """``E[X^(i)(t) X^(j)(0)]`` from the derivatives of R at t, (N, rows, columns)."""
+    order = np.add.outer(np.arange(rows), np.arange(columns))
+    return np.ascontiguousarray(derivatives.T)[:, order] * (-1.0) ** np.arange(columns)
+
+
+def by_design(rows: Array) -> Array:
+    """The last axis, over designs, in front."""
+    return np.ascontiguousarray(np.moveaxis(rows, 2, 0))
+
+
+def products(rows: Array, with_signals: Array, B: int, S: int) -> Array:
+    """Sums over k of signals (N, B + 2 S, n + 1) and their covariances with X's derivatives (N, n + 2, B + 2 S).
+
+    Each of the body's coordinates with each, then each deflection, load and rate with itself.
+    """
+    V = with_signals.mT
+    body = rows[:, :B] @ V[:, :B].mT[:, : rows.shape[2]]
+    each = (rows[:, B:] * V[:, B:, : rows.shape[2]]).sum(axis=-1)
+    d = slice(B, B + S)
+    rates = -(rows[:, d, :-1] * V[:, d, 2:]).sum(axis=-1)
+    return np.concatenate([body.reshape(len(rows), B * B), each, rates], axis=1).T
+
+
+def at_once(rows: Array, moments: Array, B: int, S: int) -> Array:
+    """Second moments (B^2 + 3 S, N) of `signals` at one instant, from the derivatives of R at 0."""
+    n, Z = rows.shape[1], by_design(rows)
+    return products(Z, hankel(moments, n + 1, n) @ Z.mT, B, S)
+
+
+def across(rows: Array, others: Array, step: Array, steps: int, free: Array, gone: Array, B: int, S: int) -> Array:
+    """Second moments of `signals` with others a delay before.
+
+    R is a function of derivatives ``free`` at 0, carried by so many steps, and what ``gone`` holds after the delay.
+    """
+    n, Z = rows.shape[1], by_design(others).mT
+    V, step = hankel(free, n + 1, n) @ Z, by_design(step)
+    for _ in range(steps):
+        V = step @ V
+    return products(by_design(rows), V + hankel(gone, n + 1, n) @ Z, B, S)
+
+
+def excited(
+    chassis: Chassis, linked: Linked, now: Array, later: Array, road: Track, tau: Array, step: Array, steps: int
+) -> Array:
+    """Second moments of the body's accelerations, of deflections, loads and rates, (B^2 + 3 S, N), on one process."""
+    D, N = linked.D, linked.D.shape[1]
+    n, B, S = len(D) - 1, len(chassis.mobility), len(chassis.struts)
+    rates, both = polynomials.apart(D, road.alphas)
+    moments = np.zeros((2 * n + 2, N))
+    moments[2:-1:2] = -polynomials.start(D, Track(road.static, rates, road.weights))
+    first = signals(chassis, linked, now)
+    out = at_once(first, moments, B, S)
+    if later.any():
+        second = signals(chassis, linked, later)
+        # The exponentials that colours leave in R cross the delay by themselves, without value and slope at 0.
+        g = -0.5 * road.weights / (both * rates)
+        past = rates * tau
+        free = moments - polynomials.decaying(g, rates, 2, 2 * n + 2)
+        free[-1] = -polynomials.applied(D[:-1], free[n + 1 : -1])
+        gone = polynomials.decaying(g * np.exp(-past), rates, 2, 2 * n + 2)
+        gone[0] += (g * (np.expm1(-past) + past)).sum(axis=0)
+        gone[1] -= (g * rates * np.expm1(-past)).sum(axis=0)
+        out += at_once(second, moments, B, S)
+        cross = across(first, second, step, steps, free, gone, B, S)
+        out += cross
+        body = cross[: B * B].reshape(B, B, N)
+        out[: B * B] += body.transpose(1, 0, 2).copy().reshape(B * B, N)
+        out[B * B :] += cross[B * B :]
+    return out
