@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..quantities import PARAMETERS, Quantity, briefly, signal
-from .decoupled import Half, halves
+from .decoupled import OnStruts, halves, whole
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
 from .second_order import Layout, SecondOrder
@@ -203,13 +203,17 @@ class Vehicle:
         """Matrices of the second-order model, stacked over the designs of a flattened vehicle."""
         return self.linkage().assemble()
 
-    def halves(self) -> tuple[Half, ...]:
+    def halves(self) -> tuple[OnStruts, ...]:
         """The mean of left and right, and half their difference, of a flattened vehicle.
 
         There are none where the sides differ, and none of a kind of vehicle that has matrices of its own: its linkage
         does not answer for them.
         """
         return halves(self.linkage(), self.wheels) if type(self).assemble is Vehicle.assemble else ()
+
+    def whole(self) -> OnStruts | None:
+        """All struts on the rigid body of a flattened vehicle; None of one that is more, or has matrices of its own."""
+        return whole(self.linkage()) if type(self).assemble is Vehicle.assemble else None
 
     @classmethod
     @cache

@@ -205,10 +205,9 @@ def routh(D: Array, density: Array) -> Array:
         right[i + 1] = -factor * right[i]
     derivatives = np.zeros((n, D.shape[1]))
     for e in range(n):
-        row, rest = table[n - e], right[n - e].copy()
-        for j in range(1, e // 2 + 1):
-            rest -= row[j] * derivatives[e - j]
-        derivatives[e] = rest / row[0]
+        row, known = table[n - e], e // 2
+        rest = (row[1 : known + 1] * derivatives[e - known : e][::-1]).sum(axis=0)
+        derivatives[e] = (right[n - e] - rest) / row[0]
     return derivatives
 
 

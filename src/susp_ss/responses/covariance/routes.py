@@ -23,15 +23,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...roads.colours import colours
 from ...roads.road import Road
 from ...vehicles.parameters import DesignSpace
 from ...vehicles.vehicle import Vehicle
-from ..excitation import check_stationary, delay, infinite_outputs, processes
-from . import polynomials
+from . import polynomials, struts
 from .compiler import compiler_found
 from .matrices import BATCH, batches, lost_digits, moments
 from .symmetric import symmetric_variances
+from .whole import whole_variances
 
 Array = NDArray[np.float64]
 
@@ -41,13 +40,11 @@ LOST, SOUND = 1e-6, 1e-12
 
 # Designs of one block: its polynomials then stay near the processor. Compiled code keeps them there by itself.
 BLOCK, LONG_BLOCK = 2048, 8192
+STRUTS_BLOCK, LONG_STRUTS_BLOCK = 256, 2048
 
 # Symmetric designs, and designs by matrices, from which loading the compiler (a second; at first use on a machine ten
 # to thirty) is repaid.
 PLENTY, MANY = 1_000_000, 50_000
-
-# Designs by matrices that a thread takes at a time.
-SHARE = 512
 
 
 def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs: int = 1) -> Array:
@@ -56,28 +53,35 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
     These may be part of a sweep of more ``designs``, whose number decides what is worth compiling.
     """
     halves = flat.halves()
+    whole = None if halves else flat.whole()
     variances = np.empty((len(flat.layout().outputs), space.size))
-    left = np.zeros(space.size, dtype=bool)
+    left = np.ones(space.size, dtype=bool)
+    if halves or whole:
+        plenty, block, long = (PLENTY, BLOCK, LONG_BLOCK) if halves else (MANY, STRUTS_BLOCK, LONG_STRUTS_BLOCK)
+        compiled = max(designs, space.size) >= plenty and compiler_found()
 
-    def solve(block: slice, kernels: Any = polynomials) -> None:
-        some, size = [half.select(block) for half in halves], block.stop - block.start
-        variances[:, block], left[block] = symmetric_variances(some, flat.select(block), road, size, kernels)
+        def solve(block: slice) -> None:
+            some, size = flat.select(block), block.stop - block.start
+            if whole:
+                found = whole_variances(whole.select(block), some, road, size, kernels)
+            else:
+                found = symmetric_variances([half.select(block) for half in halves], some, road, size, kernels)
+            variances[:, block], left[block] = found
 
-    if max(designs, space.size) < PLENTY or not halves or not compiler_found():
-        for block in _blocks(space.size, BLOCK):
-            solve(block)
-    else:
-        from . import polynomials_numba
+        if compiled:
+            from . import polynomials_numba, struts_numba
 
-        first, *others = _blocks(space.size, LONG_BLOCK)
-        # What has yet to be compiled is compiled here, where an interrupt reaches it.
-        solve(first, polynomials_numba)
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(lambda block: solve(block, polynomials_numba), others))
-    by_matrices = np.flatnonzero(left)
-    if len(by_matrices) >= MANY and compiler_found():
-        by_matrices = _compiled(flat, road, by_matrices, variances)
-    for chosen in batches(by_matrices, BATCH):
+            kernels: Any = struts_numba if whole else polynomials_numba
+            first, *others = _blocks(space.size, long)
+            # What has yet to be compiled is compiled here, where an interrupt reaches it.
+            solve(first)
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                list(pool.map(solve, others))
+        else:
+            kernels = struts if whole else polynomials
+            for part in _blocks(space.size, block):
+                solve(part)
+    for chosen in batches(np.flatnonzero(left), BATCH):
         model, X, error, infinite = moments(flat, space, road, chosen, LOST)
         Y = model.velocity_form()[2]
         variance = np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
@@ -99,46 +103,3 @@ def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.boo
     zero = (variance <= 10.0 * np.maximum(noise, np.finfo(float).eps * terms)) & sound[:, None]
     lost = np.any(~infinite & ~(noise <= LOST * variance), axis=-1) & ~sound
     return np.where(infinite, np.inf, np.where(zero, 0.0, variance)), lost
-
-
-def _compiled(flat: Vehicle, road: Road, designs: NDArray[np.int_], variances: Array) -> NDArray[np.int_]:
-    """Fill in the variances (outputs, N) of some designs on every processor; return those that lost digits."""
-    from . import matrices_numba
-
-    excited = processes(flat, road)
-    now, later = np.stack([process.now for process in excited]), np.stack([process.later for process in excited])
-
-    def solve(chosen: NDArray[np.int_]) -> NDArray[np.int_]:
-        some, N = flat.select(chosen), len(chosen)
-
-        def each(x: Any, *shape: int) -> Array:
-            # A copy in memory order each time: one signature, compiled once.
-            return np.array(np.broadcast_to(x, (N, *shape)), dtype=float, order="C")
-
-        model = some.assemble()
-        check_stationary(flat, road, model)
-        Y = np.concatenate([model.on_position, model.on_velocity, model.on_warp[..., None]], axis=-1)
-        matrices = {"K": model.K, "C": model.C, "K_in": model.K_in, "C_in": model.C_in, "Y": Y}
-        spectra = [colours(road, process.share, process.sign, each(some.track_width)) for process in excited]
-        variance, terms, error = matrices_numba.variances(
-            matrices_numba.System(
-                m=each(model.m, model.m.shape[-1]),
-                warp=np.zeros(now.shape[1]) if model.warp is None else model.warp,
-                **{name: each(x, *x.shape[-2:]) for name, x in matrices.items()},
-            ),
-            matrices_numba.Excitation(
-                now,
-                later,
-                np.array([float(spectrum.white) for spectrum in spectra]),
-                np.array([spectrum.alphas for spectrum in spectra]),
-                np.array([spectrum.weights for spectrum in spectra]),
-                each(delay(some, road)),
-            ),
-        )
-        with np.errstate(all="ignore"):
-            values, lost = _sound(variance, terms, error, infinite_outputs(model, excited, road))
-        variances[:, chosen] = values.T
-        return chosen[lost]
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return np.concatenate(list(pool.map(solve, batches(designs, SHARE))))

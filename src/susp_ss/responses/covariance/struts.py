@@ -83,52 +83,51 @@ def expanded(row: Array, minors: Array, table: NDArray[np.int_], zeros: int) -> 
 
 def matrix(chassis: Chassis) -> Array:
     """``s^2 (E + kappa) + E U kappa``, (S, S, 5, N)."""
-    S, N = len(chassis.struts), chassis.struts.shape[2]
+    mu, tyres, arms = chassis.struts[:, :1], chassis.struts[:, 3:], chassis.arms
+    S, N = len(mu), mu.shape[2]
     kappa = np.zeros((S, S, 2, N))
     for i in range(S):
         kappa[i, i] = chassis.struts[i, 1:3]
-    for m in range(len(chassis.pairs)):
-        one, other = chassis.pairs[m]
-        kappa[one, one, 0] += chassis.bars[m]
-        kappa[other, other, 0] += chassis.bars[m]
-        kappa[one, other, 0] -= chassis.bars[m]
-        kappa[other, one, 0] -= chassis.bars[m]
+    for (i, j), bar in zip(chassis.pairs, chassis.bars, strict=True):
+        for one, other in ((i, j), (j, i)):
+            kappa[one, one, 0] += bar
+            kappa[one, other, 0] -= bar
+    E = np.concatenate([tyres, mu], axis=1)
+    compliance = (chassis.mobility[:, None, None] * arms[:, :, None] * arms[:, None]).sum(axis=0)
+    accelerations = (compliance[:, :, None, None] * kappa[None]).sum(axis=1)
     out = np.zeros((S, S, 5, N))
+    out[:, :, 2:4] = kappa
+    for k in range(3):
+        out[:, :, k : k + 2] += E[:, None, k : k + 1] * accelerations
     for i in range(S):
-        E = polynomials.wheel(chassis.struts[i])
-        for j in range(S):
-            force = np.zeros((2, N))
-            for m in range(S):
-                u = (chassis.mobility * chassis.arms[:, i] * chassis.arms[:, m]).sum(axis=0)
-                force += u * kappa[m, j]
-            out[i, j, :4] += polynomials.product(E, force)
-            out[i, j, 2:4] += kappa[i, j]
-        out[i, i, 2:] += E
+        out[i, i, 2:] += E[i]
     return out
 
 
 def linked(chassis: Chassis, tables: tuple[NDArray[np.int_], ...]) -> Linked:
     """The determinant, and the adjugate times the tyres, by minors from the last row up."""
     M, S, B, N = matrix(chassis), len(chassis.struts), len(chassis.mobility), chassis.struts.shape[2]
-
-    def zeros(k: int) -> int:
-        return 2 if k > B else 0
-
     below = [np.ones((1, 1, N))]
     for k in range(S - 1):
-        below.append(expanded(M[S - 1 - k], below[k], tables[k], zeros(k + 1)))
-    D = expanded(M[0], below[S - 1], tables[S - 1], zeros(S))[0]
+        below.append(expanded(M[S - 1 - k], below[k], tables[k], 2 if k + 1 > B else 0))
+    D = expanded(M[0], below[S - 1], tables[S - 1], 2 if S > B else 0)[0]
     monic = 1.0 / D[-1]
     deflections = np.zeros((S, S, len(D) - 1, N))
     for i in range(S):
         minors = below[S - 1 - i]
         for k in range(S - 1 - i, S - 1):
-            minors = expanded(M[S - 2 - k], minors, tables[k], zeros(k + 1))
-        shift = 2 if S == B else 0
-        for j in range(S):
-            column = polynomials.product(minors[S - 1 - j], chassis.struts[i, 3:5] * monic * (-1.0) ** (i + j))
-            deflections[j, i, shift : shift + len(column)] = column[: len(D) - 1 - shift]
+            minors = expanded(M[S - 2 - k], minors, tables[k], 2 if k + 1 > B else 0)
+        fill(deflections[:, i, 2 if S == B else 0 :], minors, chassis.struts[i, 3:5] * monic, (-1.0) ** i)
     return Linked(D * monic, deflections)
+
+
+def fill(deflections: Array, minors: Array, tyre: Array, sign: float) -> None:
+    """A column of the adjugate times its tyre: minors that lack the last column come first."""
+    S, length = minors.shape[:2]
+    for j in range(S):
+        for k in range(2):
+            deflections[j, k : k + length] += minors[S - 1 - j] * (sign * tyre[k])
+        sign = -sign
 
 
 def signals(chassis: Chassis, linked: Linked, weights: Array) -> Array:
@@ -234,7 +233,10 @@ def across(rows: Array, others: Array, step: Array, steps: int, free: Array, gon
 def excited(
     chassis: Chassis, linked: Linked, now: Array, later: Array, road: Track, tau: Array, step: Array, steps: int
 ) -> Array:
-    """Second moments of the body's accelerations, of deflections, loads and rates, (B^2 + 3 S, N), on one process."""
+    """Second moments of the body's accelerations, of deflections, loads and rates, (B^2 + 3 S, N), on one process.
+
+    They are nan where the wheels' heights warp the body without bound.
+    """
     D, N = linked.D, linked.D.shape[1]
     n, B, S = len(D) - 1, len(chassis.mobility), len(chassis.struts)
     rates, both = polynomials.apart(D, road.alphas)
@@ -255,7 +257,15 @@ def excited(
         out += at_once(second, moments, B, S)
         cross = across(first, second, step, steps, free, gone, B, S)
         out += cross
-        body = cross[: B * B].reshape(B, B, N)
-        out[: B * B] += body.transpose(1, 0, 2).copy().reshape(B * B, N)
+        for i in range(B):
+            out[i * B : (i + 1) * B] += cross[i : B * B : B]
         out[B * B :] += cross[B * B :]
+        first += second
+    drift, size = np.zeros(N), np.zeros(N)
+    for i in range(S):
+        drift += np.abs(first[B + i, 0])
+        for j in range(S):
+            size += np.abs(linked.deflections[i, j, 0]) * (np.abs(now[j]) + np.abs(later[j]))
+    for row in out:
+        row[drift > BALANCED * size] = np.nan
     return out

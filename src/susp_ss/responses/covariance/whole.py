@@ -1,0 +1,161 @@
+"""Variances of a vehicle on struts whose sides differ: one problem on every process of the road."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...quantities import signal
+from ...roads.colours import colours
+from ...roads.road import Road
+from ...vehicles.decoupled import OnStruts
+from ...vehicles.vehicle import Vehicle
+from ..excitation import delay, processes
+from . import digits, struts
+from .polynomials import Array, Track
+from .struts import Chassis, expansions
+
+# An acceleration is zero by symmetry if its variance is at most the first share of what its forces would make of it all
+# together; up to the second, it may have lost digits.
+ZERO, CANCELLED = 1e-24, 1e-17
+
+
+class Stirred(NamedTuple):
+    """One process: how much of it each strut's wheel sees at once and later (S,), and its spectrum."""
+
+    now: Array
+    later: Array
+    road: Track
+
+
+class Problem(NamedTuple):
+    """Struts at the corners ``places`` on the road's processes, as arrays over N designs.
+
+    ``points`` are the accelerations by name, each with its share of every coordinate of the body (B, N).
+    """
+
+    places: tuple[str, ...]
+    chassis: Chassis
+    points: dict[str, Array]
+    excited: tuple[Stirred, ...]
+    tau: Array
+
+    def variances(self, kernels: Any, walk: tuple[int, int]) -> dict[str, Array]:
+        """Variance (N,) of every output, by the kernels of `struts` or `polynomials_numba`."""
+        chassis, (steps, halvings) = self.chassis, walk
+        S, B = len(chassis.struts), len(chassis.mobility)
+        linked = kernels.linked(chassis, expansions(S))
+        # Without a delay no step is taken.
+        step = kernels.moved(linked.D, self.tau / max(steps, 1), halvings) if steps else np.empty((0, 0, 0))
+        total = sum(
+            kernels.excited(chassis, linked, now, later, road, self.tau, step, steps) for now, later, road in self.excited
+        )
+        body, (deflections, loads, rates) = total[: B * B].reshape(B, B, -1), total[B * B :].reshape(3, S, -1)
+        driven = np.any([(now != 0.0) | (later != 0.0) for now, later, _ in self.excited], axis=0)
+        loads[(chassis.struts[:, 4] > 0.0) & driven[:, None]] = np.inf
+        largest = self._largest(deflections, rates)
+        out = {name: self._acceleration(share, body, largest) for name, share in self.points.items()}
+        for name, values in {"sws": deflections, "dtl": loads, "dsws": rates}.items():
+            out |= {signal(name, corner): variance for corner, variance in zip(self.places, values, strict=True)}
+        return out
+
+    def _largest(self, deflections: Array, rates: Array) -> Array:
+        """What the forces of the struts would make of the body's accelerations if none worked against another, (B, N)."""
+        chassis = self.chassis
+        deflection, (_, ks, cs, _, _) = np.sqrt(deflections), np.moveaxis(chassis.struts, 1, 0)
+        force = ks * deflection + cs * np.sqrt(rates)
+        for pair, bar in zip(chassis.pairs, chassis.bars, strict=True):
+            force[pair] += bar * deflection[pair].sum(axis=0)
+        return chassis.mobility * np.einsum("bin,in->bn", np.abs(chassis.arms), force)
+
+    def _acceleration(self, share: Array, body: Array, largest: Array) -> Array:
+        terms = share[:, None] * share[None] * body
+        total = digits.sum_or_nan(terms.sum(axis=(0, 1)), np.abs(terms).sum(axis=(0, 1)))
+        size = (np.abs(share) * largest).sum(axis=0) ** 2
+        return np.where(total > CANCELLED * size, total, np.where(total <= ZERO * size, 0.0, np.nan))
+
+    def in_other_units(self) -> Problem:
+        """The same problem with mass and time in other units."""
+        mass, time = digits.MASS, digits.TIME
+        chassis = self.chassis._replace(
+            struts=digits.struts_in_other_units(self.chassis.struts),
+            bars=self.chassis.bars * (mass / time**2),
+            mobility=self.chassis.mobility / mass,
+        )
+        excited = tuple(one._replace(road=digits.track_in_other_units(one.road)) for one in self.excited)
+        return self._replace(chassis=chassis, excited=excited, tau=self.tau * time)
+
+    def compliance(self) -> Array:
+        """Acceleration over each strut per unit force of each, (S, S, N)."""
+        return np.einsum("bn,bin,bjn->ijn", self.chassis.mobility, self.chassis.arms, self.chassis.arms)
+
+    def stiffened(self) -> Array:
+        """The struts (S, 5, N), each with what the bars on it add at most."""
+        stiffened = self.chassis.struts.copy()
+        for pair, bar in zip(self.chassis.pairs, self.chassis.bars, strict=True):
+            stiffened[pair, 1] += 2.0 * bar
+        return stiffened
+
+
+def problem(whole: OnStruts, vehicle: Vehicle, road: Road, N: int) -> Problem:
+    """N designs of a vehicle on a road."""
+
+    def stacked(rows: Sequence[Any]) -> Array:
+        out = np.empty((len(rows), N))
+        for row, values in zip(out, rows, strict=True):
+            row[:] = values
+        return out
+
+    width = np.broadcast_to(np.asarray(vehicle.track_width, dtype=float), N)
+    corners = list(whole.struts)
+
+    def stirred(now: Array, later: Array, share: float, sign: int) -> Stirred:
+        spectrum = colours(road, share, sign, width)
+        alphas, weights = np.ascontiguousarray(spectrum.alphas.T), np.ascontiguousarray(spectrum.weights.T)
+        return Stirred(now, later, Track(float(spectrum.static), alphas, weights))
+
+    return Problem(
+        places=tuple(name for (name,) in corners),
+        chassis=Chassis(
+            struts=np.stack([stacked(strut) for strut in whole.struts.values()]),
+            pairs=np.array([[corners.index(corner) for corner in pair] for pair in whole.bars], int).reshape(-1, 2),
+            bars=stacked(list(whole.bars.values())),
+            mobility=stacked([mode.mobility for mode in whole.body.values()]),
+            arms=np.stack([stacked(mode.arms) for mode in whole.body.values()]),
+        ),
+        points={
+            name: stacked([shares.get(coordinate, 0.0) for coordinate in whole.body])
+            for name, shares in whole.points.items()
+        },
+        excited=tuple(stirred(*process) for process in processes(vehicle, road)),
+        tau=stacked([delay(vehicle, road)])[0],
+    )
+
+
+def whole_variances(
+    whole: OnStruts, vehicle: Vehicle, road: Road, N: int, kernels: Any = struts
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Variances (outputs, N) of N designs by their struts, and which of them (N,) are left to matrices.
+
+    All are where the delay is very long; those are whose wheels warp the road without bound or have no damper, and each
+    one that may keep fewer than six digits here.
+    """
+    outputs, one = vehicle.layout().outputs, problem(whole, vehicle, road, N)
+    compliance, delayed = one.compliance(), any(process.later.any() for process in one.excited)
+    with np.errstate(all="ignore"):
+        walk = digits.walk(one.stiffened(), compliance, one.tau) if delayed else (0, 0)
+        if walk[0] > digits.LONGEST_WALK:
+            return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)
+
+        def solved(problem: Problem) -> Array:
+            found = problem.variances(kernels, walk)
+            return np.array([found[name] for name in outputs.names])
+
+        variances = solved(one)
+        left = np.isnan(variances).any(axis=0) | digits.undamped(one.chassis.struts)
+        if digits.extreme(one.stiffened(), compliance):
+            left |= digits.disagreement(variances, solved(one.in_other_units()), outputs)
+    return variances, left
