@@ -8,9 +8,6 @@ from numpy.typing import NDArray
 from ...vehicles.second_order import Outputs
 from .polynomials import Array, Track
 
-# A delay is walked in steps in which no root turns by more than this many radians: e^(s h) mod D keeps its digits.
-REACH = 16.0
-
 # A delay of more steps than this (a walking pace) is left to matrices, which square their way through it.
 LONGEST_WALK = 256
 
@@ -25,10 +22,10 @@ AGREED = 1e-7
 MASS, TIME = 0.73, 1.37
 
 
-def walk(struts: Array, compliance: Array, tau: Array) -> tuple[int, int]:
-    """How many steps reach every delay, and how often each halves before no root turns by a radian in it.
+def walk(struts: Array, compliance: Array, tau: Array, reach: float) -> tuple[int, int]:
+    """How many steps of at most ``reach`` radians lead over every delay, and how often each halves until one is left.
 
-    Struts are (S, 5, N) of ``mu, ks, cs, kt, ct``, the body's compliance (S, S, N).
+    It is no root that turns by more. Struts are (S, 5, N) of ``mu, ks, cs, kt, ct``, the body's compliance (S, S, N).
     """
     mu, ks, cs, kt, ct = np.moveaxis(struts, 1, 0)
 
@@ -43,7 +40,7 @@ def walk(struts: Array, compliance: Array, tau: Array) -> tuple[int, int]:
 
     # Any unit bounds the roots; a small one does so tightly where the wheels are faster than the body.
     turns = min(fastest(1.0), fastest(0.25)) * float(tau.max())
-    steps = int(np.ceil(turns / REACH))
+    steps = int(np.ceil(turns / reach))
     return steps, max(0, int(np.ceil(np.log2(turns / steps))))
 
 

@@ -40,7 +40,7 @@ LOST, SOUND = 1e-6, 1e-12
 
 # Designs of one block: its polynomials then stay near the processor. Compiled code keeps them there by itself.
 BLOCK, LONG_BLOCK = 2048, 8192
-STRUTS_BLOCK, LONG_STRUTS_BLOCK = 256, 2048
+STRUTS_BLOCK, LONG_STRUTS_BLOCK = 1000, 2048
 
 # Symmetric designs, and designs by matrices, from which loading the compiler (a second; at first use on a machine ten
 # to thirty) is repaid.

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import polynomials
-from .polynomials import Array, Delay, Track
+from .polynomials import Array, Track, start
 
 # A sum of numerators no larger than this, relative to its terms, is zero but for rounding.
 BALANCED = 1e-9
@@ -104,48 +104,56 @@ def matrix(chassis: Chassis) -> Array:
     return out
 
 
-def linked(chassis: Chassis, tables: tuple[NDArray[np.int_], ...]) -> Linked:
+def linked(chassis: Chassis, kernels: Any) -> Linked:
     """The determinant, and the adjugate times the tyres, by minors from the last row up."""
     M, S, B, N = matrix(chassis), len(chassis.struts), len(chassis.mobility), chassis.struts.shape[2]
+    tables = expansions(S)
+
+    def with_row(i: int, minors: Array, k: int) -> Array:
+        return np.asarray(kernels.expanded(M[i], minors, tables[k], 2 if k + 1 > B else 0))
+
     below = [np.ones((1, 1, N))]
     for k in range(S - 1):
-        below.append(expanded(M[S - 1 - k], below[k], tables[k], 2 if k + 1 > B else 0))
-    D = expanded(M[0], below[S - 1], tables[S - 1], 2 if S > B else 0)[0]
+        below.append(with_row(S - 1 - k, below[k], k))
+    D = with_row(0, below[S - 1], S - 1)[0]
     monic = 1.0 / D[-1]
     deflections = np.zeros((S, S, len(D) - 1, N))
     for i in range(S):
         minors = below[S - 1 - i]
         for k in range(S - 1 - i, S - 1):
-            minors = expanded(M[S - 2 - k], minors, tables[k], 2 if k + 1 > B else 0)
-        fill(deflections[:, i, 2 if S == B else 0 :], minors, chassis.struts[i, 3:5] * monic, (-1.0) ** i)
+            minors = with_row(S - 2 - k, minors, k)
+        # Minors that lack the last column come first.
+        column = minors[::-1] * (monic * (-1.0) ** np.arange(i, i + S)[:, None])[:, None]
+        shift, length = 2 if S == B else 0, minors.shape[1]
+        for k in range(2):
+            deflections[:, i, shift + k : shift + k + length] += column * chassis.struts[i, 3 + k]
     return Linked(D * monic, deflections)
 
 
-def fill(deflections: Array, minors: Array, tyre: Array, sign: float) -> None:
-    """A column of the adjugate times its tyre: minors that lack the last column come first."""
-    S, length = minors.shape[:2]
-    for j in range(S):
-        for k in range(2):
-            deflections[j, k : k + length] += minors[S - 1 - j] * (sign * tyre[k])
-        sign = -sign
-
-
-def signals(chassis: Chassis, linked: Linked, weights: Array) -> Array:
+def signals(
+    struts: Array,
+    pairs: NDArray[np.int_],
+    bars: Array,
+    mobility: Array,
+    arms: Array,
+    deflections: Array,
+    weights: Array,
+) -> Array:
     """Numerators over ``s D`` of what the road stirs, (B + 2 S, n + 1, N), where it moves at ``weights`` (S,) times u.
 
     Accelerations of the body's coordinates, then deflections and tyre loads of the struts.
     """
-    S, B = len(chassis.struts), len(chassis.mobility)
-    length, N = len(linked.D), chassis.struts.shape[2]
-    out = np.zeros((B + 2 * S, length, N))
+    S, B = len(struts), len(mobility)
+    length, N = deflections.shape[2:]
+    out = np.zeros((B + 2 * S, length + 1, N))
     accelerations, d, loads = out[:B], out[B : B + S], out[B + S :]
     for j in range(S):
         if weights[j] != 0.0:
-            d[:, :-1] += weights[j] * linked.deflections[:, j]
-    m, k, c = chassis.struts[:, 0, None], chassis.struts[:, 1, None], chassis.struts[:, 2, None]
+            d[:, :-1] += weights[j] * deflections[:, j]
+    m, k, c = struts[:, 0, None], struts[:, 1, None], struts[:, 2, None]
     force = k * d
     force[:, 1:] += c * d[:, :-1]
-    for pair, bar in zip(chassis.pairs, chassis.bars, strict=True):
+    for pair, bar in zip(pairs, bars, strict=True):
         across = bar * (d[pair[0]] - d[pair[1]])
         force[pair[0]] += across
         force[pair[1]] -= across
@@ -153,8 +161,8 @@ def signals(chassis: Chassis, linked: Linked, weights: Array) -> Array:
     loads[:, 2:] = d[:, :-2]
     for b in range(B):
         for i in range(S):
-            accelerations[b] += (chassis.mobility[b] * chassis.arms[b, i]) * force[i]
-        loads += chassis.arms[b][:, None] * accelerations[b]
+            accelerations[b] += (mobility[b] * arms[b, i]) * force[i]
+        loads += arms[b][:, None] * accelerations[b]
     loads *= m
     loads += force
     return out
@@ -173,14 +181,14 @@ def powers(p: Array, D: Array) -> Array:
     return out
 
 
-def moved(D: Array, tau: Array, squarings: int) -> Array:
+def moved(D: Array, tau: Array, squarings: int, kernels: Any) -> Array:
     """``s^k e^(s tau) mod s^2 D``: what X and its derivatives will be, from what they are, (n + 2, n + 2, N)."""
     drifting = np.zeros((len(D) + 2, D.shape[1]))
     drifting[2:] = D
-    out = powers(polynomials.delay_operator(drifting, tau / 2.0**squarings, 0), D)
+    out = kernels.powers(polynomials.delay_operator(drifting, tau / 2.0**squarings, 0), D)
     for _ in range(squarings):
-        out = powers(combined(out[0], out), D)
-    return out
+        out = kernels.powers(kernels.combined(out[0], out), D)
+    return np.asarray(out)
 
 
 def combined(p: Array, rows: Array) -> Array:
@@ -190,8 +198,8 @@ def combined(p: Array, rows: Array) -> Array:
 
 def hankel(derivatives: Array, rows: int, columns: int) -> Array:
     """``E[X^(i)(t) X^(j)(0)]`` from the derivatives of R at t, (N, rows, columns)."""
-    order = np.add.outer(np.arange(rows), np.arange(columns))
-    return np.ascontiguousarray(derivatives.T)[:, order] * (-1.0) ** np.arange(columns)
+    windows = np.lib.stride_tricks.sliding_window_view(np.ascontiguousarray(derivatives.T), columns, axis=1)
+    return np.asarray(windows[:, :rows] * (-1.0) ** np.arange(columns))
 
 
 def by_design(rows: Array) -> Array:
@@ -199,39 +207,45 @@ def by_design(rows: Array) -> Array:
     return np.ascontiguousarray(np.moveaxis(rows, 2, 0))
 
 
-def products(rows: Array, with_signals: Array, B: int, S: int) -> Array:
-    """Sums over k of signals (N, B + 2 S, n + 1) and their covariances with X's derivatives (N, n + 2, B + 2 S).
+def products(rows: Array, V: Array, B: int, S: int) -> Array:
+    """Second moments (N, B^2 + 3 S) of signals (N, B + 2 S, n + 1) with others of covariances V with X's derivatives.
 
-    Each of the body's coordinates with each, then each deflection, load and rate with itself.
+    V is (N, B + 2 S, n + 2). Each of the body's coordinates with each, then each deflection, load and rate with itself.
     """
-    V = with_signals.mT
-    body = rows[:, :B] @ V[:, :B].mT[:, : rows.shape[2]]
-    each = (rows[:, B:] * V[:, B:, : rows.shape[2]]).sum(axis=-1)
-    d = slice(B, B + S)
+    n, d = rows.shape[2], slice(B, B + S)
+    body = rows[:, :B] @ V[:, :B, :n].mT
+    each = (rows[:, B:] * V[:, B:, :n]).sum(axis=-1)
     rates = -(rows[:, d, :-1] * V[:, d, 2:]).sum(axis=-1)
-    return np.concatenate([body.reshape(len(rows), B * B), each, rates], axis=1).T
+    return np.concatenate([body.reshape(len(rows), B * B), each, rates], axis=1)
 
 
-def at_once(rows: Array, moments: Array, B: int, S: int) -> Array:
-    """Second moments (B^2 + 3 S, N) of `signals` at one instant, from the derivatives of R at 0."""
-    n, Z = rows.shape[1], by_design(rows)
-    return products(Z, hankel(moments, n + 1, n) @ Z.mT, B, S)
+def across(
+    rows: Array, others: Array, derivatives: Array, step: Array, steps: int, gone: Array, B: int, S: int
+) -> Array:
+    """Second moments (B^2 + 3 S, N) of `signals` with others a delay before.
 
-
-def across(rows: Array, others: Array, step: Array, steps: int, free: Array, gone: Array, B: int, S: int) -> Array:
-    """Second moments of `signals` with others a delay before.
-
-    R is a function of derivatives ``free`` at 0, carried by so many steps, and what ``gone`` holds after the delay.
+    R is a function of these ``derivatives`` at 0, carried by so many steps, and what ``gone`` holds after the delay.
     """
-    n, Z = rows.shape[1], by_design(others).mT
-    V, step = hankel(free, n + 1, n) @ Z, by_design(step)
-    for _ in range(steps):
-        V = step @ V
-    return products(by_design(rows), V + hankel(gone, n + 1, n) @ Z, B, S)
+    n, Z = rows.shape[1], by_design(others)
+    V = Z @ hankel(derivatives, n + 1, n).mT
+    if steps > 0:
+        step = by_design(step).mT
+        for _ in range(steps):
+            V = V @ step
+        V = V + Z @ hankel(gone, n + 1, n).mT
+    return products(by_design(rows), V, B, S).T
 
 
 def excited(
-    chassis: Chassis, linked: Linked, now: Array, later: Array, road: Track, tau: Array, step: Array, steps: int
+    chassis: Chassis,
+    linked: Linked,
+    now: Array,
+    later: Array,
+    road: Track,
+    tau: Array,
+    step: Array,
+    steps: int,
+    kernels: Any,
 ) -> Array:
     """Second moments of the body's accelerations, of deflections, loads and rates, (B^2 + 3 S, N), on one process.
 
@@ -240,12 +254,19 @@ def excited(
     D, N = linked.D, linked.D.shape[1]
     n, B, S = len(D) - 1, len(chassis.mobility), len(chassis.struts)
     rates, both = polynomials.apart(D, road.alphas)
-    moments = np.zeros((2 * n + 2, N))
-    moments[2:-1:2] = -polynomials.start(D, Track(road.static, rates, road.weights))
-    first = signals(chassis, linked, now)
-    out = at_once(first, moments, B, S)
+    moments, none = np.zeros((2 * n + 2, N)), np.zeros((0, N))
+    moments[2:-1:2] = -kernels.start(D, Track(road.static, rates, road.weights))
+
+    def driven(weights: Array) -> Array:
+        return np.asarray(kernels.signals(*chassis, linked.deflections, weights))
+
+    def together(rows: Array, others: Array, derivatives: Array, steps: int, gone: Array) -> Array:
+        return np.asarray(kernels.across(rows, others, derivatives, step, steps, gone, B, S))
+
+    first = driven(now)
+    out, heights = together(first, first, moments, 0, none), first[B : B + S, 0]
     if later.any():
-        second = signals(chassis, linked, later)
+        second = driven(later)
         # The exponentials that colours leave in R cross the delay by themselves, without value and slope at 0.
         g = -0.5 * road.weights / (both * rates)
         past = rates * tau
@@ -254,18 +275,10 @@ def excited(
         gone = polynomials.decaying(g * np.exp(-past), rates, 2, 2 * n + 2)
         gone[0] += (g * (np.expm1(-past) + past)).sum(axis=0)
         gone[1] -= (g * rates * np.expm1(-past)).sum(axis=0)
-        out += at_once(second, moments, B, S)
-        cross = across(first, second, step, steps, free, gone, B, S)
-        out += cross
-        for i in range(B):
-            out[i * B : (i + 1) * B] += cross[i : B * B : B]
+        cross = together(first, second, free, steps, gone)
+        out = out + together(second, second, moments, 0, none) + cross
+        out[: B * B] += cross[: B * B].reshape(B, B, N).swapaxes(0, 1).reshape(B * B, N)
         out[B * B :] += cross[B * B :]
-        first += second
-    drift, size = np.zeros(N), np.zeros(N)
-    for i in range(S):
-        drift += np.abs(first[B + i, 0])
-        for j in range(S):
-            size += np.abs(linked.deflections[i, j, 0]) * (np.abs(now[j]) + np.abs(later[j]))
-    for row in out:
-        row[drift > BALANCED * size] = np.nan
-    return out
+        heights = heights + second[B : B + S, 0]
+    size = np.abs(linked.deflections[:, :, 0]).sum(axis=0).T @ (np.abs(now) + np.abs(later))
+    return np.where(np.abs(heights).sum(axis=0) > BALANCED * size, np.nan, out)

@@ -18,6 +18,9 @@ from ..excitation import Process, delay, processes
 from . import digits, polynomials
 from .polynomials import Array, Body, Delay, OneStrut, Track, TwoStruts
 
+# A delay is walked in steps in which no root turns by more than this many radians: e^(s h) mod D keeps its digits.
+REACH = 16.0
+
 
 class Problem(NamedTuple):
     """One half on its share of the road, as arrays over N designs.
@@ -122,7 +125,9 @@ def symmetric_variances(
     """
     parts, outputs = problems(halves, vehicle, road, N), vehicle.layout().outputs
     with np.errstate(all="ignore"):
-        walks = [digits.walk(part.struts, part.body.compliance, part.tau) if part.delayed else (0, 0) for part in parts]
+        walks = [
+            digits.walk(part.struts, part.body.compliance, part.tau, REACH) if part.delayed else (0, 0) for part in parts
+        ]
         stuck = any(digits.undamped(part.struts).any() for part in parts)
         if not parts or stuck or max(walks)[0] > digits.LONGEST_WALK:
             return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)

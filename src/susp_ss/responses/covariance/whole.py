@@ -16,7 +16,11 @@ from ...vehicles.vehicle import Vehicle
 from ..excitation import delay, processes
 from . import digits, struts
 from .polynomials import Array, Track
-from .struts import Chassis, expansions
+from .struts import Chassis
+
+# A delay is walked in steps in which no root turns by more than this many radians: a bound some half above the fastest,
+# of which a step of 20 keeps twelve digits.
+REACH = 22.0
 
 # An acceleration is zero by symmetry if its variance is at most the first share of what its forces would make of it all
 # together; up to the second, it may have lost digits.
@@ -44,14 +48,15 @@ class Problem(NamedTuple):
     tau: Array
 
     def variances(self, kernels: Any, walk: tuple[int, int]) -> dict[str, Array]:
-        """Variance (N,) of every output, by the kernels of `struts` or `polynomials_numba`."""
+        """Variance (N,) of every output, by the kernels of `struts` or `struts_numba`."""
         chassis, (steps, halvings) = self.chassis, walk
         S, B = len(chassis.struts), len(chassis.mobility)
-        linked = kernels.linked(chassis, expansions(S))
-        # Without a delay no step is taken.
-        step = kernels.moved(linked.D, self.tau / max(steps, 1), halvings) if steps else np.empty((0, 0, 0))
+        linked = struts.linked(chassis, kernels)
+        step = np.empty((0, 0, 0))
+        if steps > 0:
+            step = struts.moved(linked.D, self.tau / steps, halvings, kernels)
         total = sum(
-            kernels.excited(chassis, linked, now, later, road, self.tau, step, steps) for now, later, road in self.excited
+            struts.excited(chassis, linked, *process, self.tau, step, steps, kernels) for process in self.excited
         )
         body, (deflections, loads, rates) = total[: B * B].reshape(B, B, -1), total[B * B :].reshape(3, S, -1)
         driven = np.any([(now != 0.0) | (later != 0.0) for now, later, _ in self.excited], axis=0)
@@ -146,7 +151,7 @@ def whole_variances(
     outputs, one = vehicle.layout().outputs, problem(whole, vehicle, road, N)
     compliance, delayed = one.compliance(), any(process.later.any() for process in one.excited)
     with np.errstate(all="ignore"):
-        walk = digits.walk(one.stiffened(), compliance, one.tau) if delayed else (0, 0)
+        walk = digits.walk(one.stiffened(), compliance, one.tau, REACH) if delayed else (0, 0)
         if walk[0] > digits.LONGEST_WALK:
             return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)
 
