@@ -135,11 +135,6 @@ def test_one_missing_damper_is_no_undamped_mode():
     assert float(metrics.damper_power.sel(corner="rr")) == 0.0
 
 
-def test_waviness_without_a_state_space_model_names_the_other_route():
-    with pytest.raises(ValueError, match='method="spectral"'):
-        ss.ride_metrics(ss.QuarterCar(), ss.Road(waviness=2.5))
-
-
 def test_coincident_rates_of_cutoff_and_coherence():
     # A cut-off at one of the fit's own rates makes its partial fractions coincide.
     from susp_ss.roads.colours import COHERENCE_RATES

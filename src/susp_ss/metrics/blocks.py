@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..responses.excitation import design_space
 from ..roads.road import Road
 from ..vehicles.vehicle import Vehicle
 from .in_memory import metrics_in_memory, template
@@ -19,8 +20,8 @@ def lazy_metrics(vehicle: Vehicle, road: Road, how: dict[str, Any]) -> xr.Datase
     """Metrics by blocks of designs, each computed when Dask computes it."""
     import dask.array
 
-    space = vehicle.design_space()
-    frame, arrays = taken_apart(vehicle)
+    space = design_space(vehicle, road)
+    frame, ground, arrays = taken_apart(vehicle, road)
     with warnings.catch_warnings():
         # A grid has more blocks than any of its axes, which Dask would warn of.
         warnings.simplefilter("ignore", dask.array.PerformanceWarning)
@@ -40,7 +41,7 @@ def lazy_metrics(vehicle: Vehicle, road: Road, how: dict[str, Any]) -> xr.Datase
     # Dask tells blocks apart by these arguments, not by what a closure would hold.
     given = {
         "frame": frame,
-        "road": road,
+        "road": ground,
         "how": how | {"designs": space.size},
         "dims": space.dims,
         "unlabelled": unlabelled,
@@ -52,9 +53,9 @@ def _without_positions(block: xr.Dataset, unlabelled: list[str], **given: Any) -
     return block_metrics(block, **given).drop_vars(unlabelled)
 
 
-def taken_apart(vehicle: Vehicle) -> tuple[Vehicle, xr.Dataset]:
-    """Split a vehicle into a frame, with names in place of its array parameters, and the arrays by name."""
-    space = vehicle.design_space()
+def taken_apart(vehicle: Vehicle, road: Road) -> tuple[Vehicle, Road, xr.Dataset]:
+    """Split a vehicle and a road into frames, with names in place of array parameters, and the arrays by name."""
+    space = design_space(vehicle, road)
     arrays: dict[str, xr.Variable] = {}
 
     def named(leaf: Any) -> Any:
@@ -64,8 +65,8 @@ def taken_apart(vehicle: Vehicle) -> tuple[Vehicle, xr.Dataset]:
         arrays[name] = space.labelled(leaf).variable
         return name
 
-    frame = vehicle.mapped(named)
-    return frame, xr.Dataset(arrays, space.coords)
+    frame, ground = vehicle.mapped(named), road.mapped(named)
+    return frame, ground, xr.Dataset(arrays, space.coords)
 
 
 def block_metrics(
@@ -77,10 +78,8 @@ def block_metrics(
     ----------
     block : xarray.Dataset
         In memory, with a coordinate along every dim: some of the arrays of `taken_apart`.
-    frame : Vehicle
+    frame, road : Vehicle, Road
         Of `taken_apart`.
-    road : Road
-        What the vehicles run over.
     how : dict
         ``method`` and what goes with it, as in `ride_metrics`, and ``designs``, the number of all blocks together.
     dims : sequence of str
@@ -93,8 +92,12 @@ def block_metrics(
     """
 
     def metrics(designs: xr.Dataset) -> xr.Dataset:
-        vehicle = frame.mapped(lambda leaf: designs[leaf] if isinstance(leaf, str) else leaf)
-        return metrics_in_memory(dataclasses.replace(vehicle), road, **how).transpose(*dims, ..., missing_dims="ignore")
+        def filled(leaf: Any) -> Any:
+            return designs[leaf] if isinstance(leaf, str) else leaf
+
+        vehicle, ground = dataclasses.replace(frame.mapped(filled)), dataclasses.replace(road.mapped(filled))
+        whole = metrics_in_memory(vehicle, ground, **how)
+        return whole.transpose(*dims, ..., missing_dims="ignore")
 
     try:
         return metrics(block)

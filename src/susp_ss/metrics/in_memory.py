@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..responses.covariance.routes import covariance_variances
+from ..responses.excitation import spanned
 from ..responses.labels import labelled_outputs
 from ..responses.simulation import time_variances
 from ..responses.spectral import spectral_variances
@@ -30,8 +31,7 @@ INFINITE = (
 
 def metrics_in_memory(vehicle: Vehicle, road: Road, method: str, designs: int, **record: Any) -> xr.Dataset:
     """Metrics of a vehicle in memory, part of a sweep of so many designs; ``record`` is for time histories."""
-    space, errors = vehicle.design_space(), None
-    flat = vehicle.flattened(space)
+    (space, flat, road), errors = spanned(vehicle, road), None
     if method == "time":
         variances, errors = time_variances(flat, space, road, **record)
     elif method == "spectral":

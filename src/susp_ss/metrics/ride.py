@@ -7,7 +7,7 @@ from typing import Literal
 import xarray as xr
 
 from ..quantities import briefly
-from ..responses.excitation import check_kinds
+from ..responses.excitation import check_kinds, design_space
 from ..roads.road import Road
 from ..vehicles.vehicle import Vehicle
 from .blocks import lazy_metrics
@@ -70,7 +70,7 @@ def ride_metrics(
     check_kinds(vehicle, road)
     if method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, got {briefly(method)}")
-    if vehicle.lazy:
+    if vehicle.lazy or road.lazy:
         return lazy_metrics(vehicle, road, {"method": method, "duration": duration, "step": step, "seed": seed})
-    designs = vehicle.design_space().size
+    designs = design_space(vehicle, road).size
     return metrics_in_memory(vehicle, road, method, designs, duration=duration, step=step, seed=seed)

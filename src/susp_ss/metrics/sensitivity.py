@@ -10,7 +10,7 @@ import xarray as xr
 from ..quantities import briefly
 from ..responses.covariance.routes import covariance_variances
 from ..responses.covariance.tangents import variance_tangents
-from ..responses.excitation import check_kinds
+from ..responses.excitation import check_kinds, spanned
 from ..responses.labels import labelled_outputs
 from ..responses.settings import Setting, settable
 from ..roads.road import Road
@@ -34,7 +34,6 @@ def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks",
     vehicle : Vehicle
         Any of the five models, or a sweep of one.
     road : Road
-        Waviness 2.
     parameters : sequence of str
         Fields of the vehicle; of a field that a corner may have for itself, ``"ks"`` is a common change at all
         corners and ``"ks_fr"`` a change at one. And ``"speed"``, ``"roughness"`` or (if there is one) ``"cutoff"`` of
@@ -76,20 +75,21 @@ def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks",
     """
     check_kinds(vehicle, road)
     known = settable(vehicle)
-    if not road.cutoff:
+    if not np.all(np.asarray(road.cutoff) > 0.0):
         del known["cutoff"]
     settings = _checked(parameters, known)
-    space = vehicle.design_space()
+    space, flat, ground = spanned(vehicle, road)
     for name in ("parameter", "unit"):
         if name in space.coords or name in space.dims:
             raise ValueError(f"{type(vehicle).__name__} has a dim or coordinate named {name!r}, which results use")
-    flat, rates = vehicle.flattened(space), vehicle.layout().outputs.of("dsws")
-    variances = covariance_variances(flat, space, road)
+    rates = vehicle.layout().outputs.of("dsws")
+    variances = covariance_variances(flat, space, ground)
 
     rms, power = [], []
     for start in range(0, space.size, BATCH):
         batch = slice(start, start + BATCH)
-        tangents = variance_tangents(flat.select(batch), road, list(settings.values()), variances[batch])
+        some = flat.select(batch), ground.select(batch)
+        tangents = variance_tangents(*some, list(settings.values()), variances[batch])
         roots = 2.0 * np.sqrt(variances[batch])
         slopes = np.divide(tangents.variances, roots, out=np.zeros_like(tangents.variances), where=roots > 0.0)
         rms.append(np.where(tangents.kinked, np.nan, slopes))

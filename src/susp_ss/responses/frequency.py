@@ -12,7 +12,7 @@ from ..quantities import briefly
 from ..roads.road import Road
 from ..vehicles.second_order import SecondOrder
 from ..vehicles.vehicle import Vehicle
-from .excitation import check_kinds, delay, processes
+from .excitation import check_kinds, delay, processes, spanned
 
 
 def frequency_response(vehicle: Vehicle, frequency: ArrayLike) -> xr.DataArray:
@@ -99,8 +99,7 @@ def psd(vehicle: Vehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     """
     check_kinds(vehicle, road)
     f = checked_frequency(frequency)
-    space = vehicle.design_space()
-    flat = vehicle.flattened(space)
+    space, flat, road = spanned(vehicle, road)
     model = flat.assemble()
     public = model.layout.outputs.public
     outputs = model.layout.outputs.names[public]
@@ -122,6 +121,7 @@ def output_density(
     H = model.transfer(omega)
     lag = np.exp(-1j * omega * np.asarray(delay(vehicle, road))[..., None])
     width = np.asarray(vehicle.track_width)[..., None]
+    road = road.mapped(lambda x: np.asarray(x)[..., None])
     velocity = omega**2 * road.psd(f / road.speed) / road.speed
     total = np.zeros(H.shape[:-1])
     for process in processes(vehicle, road):

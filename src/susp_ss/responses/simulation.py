@@ -109,7 +109,7 @@ def time_variances(
         raise ValueError(f"duration must be at least 100 steps of {step} s, got {duration} s")
     seed = whole_number("seed", seed, 0)
     designs = tracked(range(space.size), "simulating", space.size > 1)
-    pairs = [_mean_squares(flat.select(slice(i, i + 1)), road, duration, step, seed) for i in designs]
+    pairs = [_mean_squares(flat.select(slice(i, i + 1)), road.one(i), duration, step, seed) for i in designs]
     squares, errors = zip(*pairs, strict=True)
     return np.stack(squares), np.stack(errors)
 

@@ -16,6 +16,10 @@ from .frequency import output_density
 # to 1 or to 3) need ends this far out; the integrand costs nothing there.
 LOWEST, HIGHEST = 1e-60, 1e60
 
+# From waviness 3 on, the rounding of a response that vanishes with frequency would be raised without bound; what comes
+# from below this, in Hz, falls at least with the first power of it.
+LOWEST_OF_STEEP = 1e-12
+
 # Front and rear wheels interfere ever faster as frequency rises, and less and less. Well above every resonance, and
 # many turns of their phase up, the interference fades out smoothly over a decade, within the tolerance below.
 ABOVE, TURNS, FADE = 10.0, 50.0, 10.0
@@ -30,7 +34,7 @@ def spectral_variances(flat: Vehicle, space: DesignSpace, road: Road) -> NDArray
     Adaptive Gauss-Kronrod cubature in log frequency with breaks at the resonances. An output that passes the road's
     velocity straight on has no finite variance unless the waviness exceeds 3.
     """
-    return np.stack([_variances(flat.select(slice(i, i + 1)), road) for i in range(space.size)])
+    return np.stack([_variances(flat.select(slice(i, i + 1)), road.one(i)) for i in range(space.size)])
 
 
 def _variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
@@ -51,7 +55,7 @@ def _variances(vehicle: Vehicle, road: Road) -> NDArray[np.float64]:
         density = output_density(vehicle, model, road, f, np.cos(0.5 * np.pi * fade) ** 2).reshape(len(f), -1)
         return np.where(infinite, 0.0, density) * f[:, None] / scale
 
-    lowest, highest = np.log(LOWEST), np.log(HIGHEST)
+    lowest, highest = np.log(LOWEST if road.slopes[0] < 3.0 else LOWEST_OF_STEEP), np.log(HIGHEST)
     result = cubature(
         integrand,
         [lowest],

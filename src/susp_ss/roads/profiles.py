@@ -10,6 +10,9 @@ from scipy.special import zeta
 
 from .road import Road
 
+# Images of a folded spectrum that are added up one by one.
+IMAGES = 32
+
 
 def synthesise(
     road: Road,
@@ -76,8 +79,13 @@ def synthesise(
 
 def _folded(road: Road, frequency: NDArray, sampling: float) -> NDArray:
     """One-sided density in m^2/Hz of the sampled height: the road's own, and all that folds onto it."""
-    x, w = frequency / sampling, road.waviness
-    without_cutoff = Road(road.roughness, road.speed, w)
-    own = road.psd(frequency / road.speed) / road.speed
-    scale = without_cutoff.psd(sampling / road.speed) / road.speed
-    return own + scale * (zeta(w, 1.0 + x) + zeta(w, 1.0 - np.minimum(x, 0.5)))
+
+    def density(f: NDArray) -> NDArray:
+        return np.asarray(road.psd(f / road.speed) / road.speed)
+
+    x = np.minimum(frequency / sampling, 0.5)
+    near = [density(sampling * image) for k in range(1, IMAGES + 1) for image in (k + x, k - x)]
+    # Further up the spectrum is a power of frequency, the sum over whose images is Hurwitz's zeta function.
+    power = road.slopes[1] + (2.0 if road.contact_length else 0.0)
+    scale = density(np.array(IMAGES * sampling)) * IMAGES**power
+    return density(frequency) + sum(near) + scale * (zeta(power, IMAGES + 1.0 + x) + zeta(power, IMAGES + 1.0 - x))

@@ -135,7 +135,7 @@ def sweep(
     check_kinds(vehicle, road)
     if method not in MOST_DESIGNS:
         raise ValueError(f"method of a sweep must be one of {', '.join(MOST_DESIGNS)}, got {briefly(method)}")
-    frame, arrays = taken_apart(_along(vehicle, axes))
+    frame, ground, arrays = taken_apart(_along(vehicle, axes), road)
     sizes = {name: arrays.sizes[name] for name in axes}
     chunk = _chunk(sizes, MOST_DESIGNS[method])
     regions = _regions(sizes, chunk)
@@ -143,7 +143,7 @@ def sweep(
     how = {"method": method, "designs": math.prod(sizes.values())}
 
     def task(region: Mapping[str, slice]) -> Task:
-        return arrays.isel(region), frame, road, how, tuple(axes)
+        return arrays.isel(region), frame, ground, how, tuple(axes)
 
     path = Path(store)
     with _computing(scheduler) as compute:

@@ -145,7 +145,7 @@ class Vehicle:
             raise TypeError(f"{where} takes {takes}, got Corners")
         return checked(value, where, quantity)
 
-    def _leaves(self) -> list[Any]:
+    def leaves(self) -> list[Any]:
         """Every parameter value, those of the corners one by one."""
         values = [getattr(self, field.name) for field in dataclasses.fields(self)]
         return [leaf for x in values for leaf in (x if isinstance(x, (Corners, tuple)) else (x,))]
@@ -167,12 +167,12 @@ class Vehicle:
 
     def design_space(self) -> DesignSpace:
         """The designs that this vehicle's parameters span."""
-        return DesignSpace.over(self._leaves(), type(self).__name__)
+        return DesignSpace.over(self.leaves(), type(self).__name__)
 
     @property
     def lazy(self) -> bool:
         """Whether some parameter's values are computed later."""
-        return any(map(lazy, self._leaves()))
+        return any(map(lazy, self.leaves()))
 
     def flattened(self, space: DesignSpace) -> Self:
         """The same designs in one row: every parameter a number, or an array over the designs; lazy ones computed."""
@@ -223,7 +223,7 @@ class Vehicle:
 
     def single(self, what: str) -> SecondOrder:
         """Matrices of the one design, for a method that takes no more than one."""
-        if any(not isinstance(leaf, float) for leaf in self._leaves()):
+        if any(not isinstance(leaf, float) for leaf in self.leaves()):
             raise ValueError(f"{type(self).__name__}.{what} needs one number for every parameter, got arrays")
         return self.assemble()
 

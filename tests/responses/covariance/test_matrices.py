@@ -58,11 +58,6 @@ def test_a_long_sweep_is_each_of_its_designs():
         )
 
 
-def test_waviness_is_refused():
-    with pytest.raises(ValueError, match=r"needs waviness 2, got 2\.2"):
-        ss.covariance(ss.QuarterCar(), ss.Road(waviness=2.2))
-
-
 @pytest.mark.parametrize("tracks", ["identical", "independent", "isotropic"])
 def test_long_delays_are_reached_by_squaring_to_the_same_end(tracks, monkeypatch):
     from susp_ss.responses.covariance import lyapunov

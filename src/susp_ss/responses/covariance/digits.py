@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...vehicles.second_order import Outputs
-from .polynomials import Array, Track
+from .polynomials import Array, Colours, Track
 
 # A delay of more steps than this (a walking pace) is left to matrices, which square their way through it.
 LONGEST_WALK = 256
@@ -72,7 +72,8 @@ def struts_in_other_units(struts: Array) -> Array:
 
 def track_in_other_units(road: Track) -> Track:
     """The same road with time in another unit."""
-    return Track(road.static / TIME, road.alphas / TIME, road.weights / TIME)
+    colours = (Colours(each.alphas / TIME, each.low / TIME, each.high / TIME) for each in (road.real, road.swinging))
+    return Track(road.level / TIME, *colours)
 
 
 def disagreement(variances: Array, other: Array, outputs: Outputs) -> NDArray[np.bool_]:

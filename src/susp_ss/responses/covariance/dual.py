@@ -48,6 +48,9 @@ class Dual:
             return Dual(ratio, (self.tangent - ratio * other.tangent) / other.value)
         return Dual(self.value / other, self.tangent / other)
 
+    def __pow__(self, exponent: float) -> Dual:
+        return Dual(self.value**exponent, exponent * self.value ** (exponent - 1.0) * self.tangent)
+
     def __matmul__(self, other: Dual | Array) -> Dual:
         if isinstance(other, Dual):
             return Dual(self.value @ other.value, self.tangent @ other.value + self.value @ other.tangent)
@@ -90,6 +93,11 @@ def _solve(matrix: Dual, right: Dual) -> Dual:
     return Dual(x, inverse @ (right.tangent - matrix.tangent @ x))
 
 
+def _divided(x: Any, y: Any) -> Dual:
+    one = x if isinstance(x, Dual) else Dual(np.broadcast_to(x, y.value.shape), 0.0 * y.tangent)
+    return one / y
+
+
 def _exp(x: Dual) -> Dual:
     value = np.exp(x.value)
     return Dual(value, value * x.tangent)
@@ -115,6 +123,12 @@ UFUNCS: dict[Any, Callable[..., Dual]] = {
     np.add: lambda x, y: y + x,
     np.multiply: lambda x, y: y * x,
     np.subtract: lambda x, y: -y + x,
+    np.true_divide: _divided,
+    np.conjugate: lambda x: Dual(np.conj(x.value), np.conj(x.tangent)),
 }
 
-FUNCTIONS: dict[Any, Callable[..., Dual]] = {np.concatenate: _concatenate, np.linalg.solve: _solve}
+FUNCTIONS: dict[Any, Callable[..., Dual]] = {
+    np.concatenate: _concatenate,
+    np.linalg.solve: _solve,
+    np.real: lambda x: Dual(np.real(x.value), np.real(x.tangent)),
+}

@@ -26,6 +26,14 @@ class Spectrum(NamedTuple):
     weights: Any
 
 
+class PassedOn(NamedTuple):
+    """A velocity u of finite variance: E[u^2] and E[u(t) u(t - tau)] (N, 1), and E[x u], E[warp u] now and late."""
+
+    variance: Any
+    lagged: Any
+    states: Any
+
+
 class Correlations:
     """Correlations of the states of N designs with a process, now and a delay ago.
 
@@ -60,7 +68,7 @@ class Correlations:
         """The process's share of Q, (N, 2n, 2n)."""
         front, rear, white = self.front, self.rear, self.white
         sigma2 = 0.5 * self.weights * self.alphas
-        g, h = ((sigma2 * x).sum(axis=-3) for x in (self.now, self.before + self.forced))
+        g, h = (np.real((sigma2 * x).sum(axis=-3)) for x in (self.now, self.before + self.forced))
         half = front * (0.5 * white * front + g).mT + rear * (white * (0.5 * rear + self.free) + h).mT
         return half + half.mT
 
@@ -71,13 +79,29 @@ class Correlations:
             height = -0.5 * self.weights / self.alphas
             cross = self.alphas * height * (now * self.now + later * (self.before - self.forced))
             own = height * (now**2 + later**2 + 2.0 * now * later * self.decay)
-            return cross.sum(axis=-3), own.sum(axis=-3)[:, :, 0]
+            return np.real(cross.sum(axis=-3)), np.real(own.sum(axis=-3)[:, :, 0])
         # The warp is the process's velocity integrated over the delay.
         tau = self.tau
         memory = -np.expm1(-(self.alphas * tau)) / self.alphas
         sigma2 = 0.5 * self.weights * self.alphas
         coloured = (sigma2 * (self.now - self.before - self.forced)).sum(axis=-3)
         coloured = coloured + (self.front + self.rear) * (sigma2 * memory).sum(axis=-3)
-        cross = self.dynamics.solve(self.white * (self.free - self.front) - coloured)
-        own = self.white * tau[:, 0] + (self.weights * (tau - memory)).sum(axis=-3)
+        cross = self.dynamics.solve(self.white * (self.free - self.front) - np.real(coloured))
+        own = self.white * tau[:, 0] + np.real((self.weights * (tau - memory)).sum(axis=-3))
         return now * cross, now**2 * own[:, :, 0]
+
+    def passed_on(self, now: float, later: float) -> PassedOn:
+        """What a velocity of finite variance (``white`` is zero) has to do with the states and the warp of `warp`."""
+        sigma2 = 0.5 * self.weights * self.alphas
+        g, h, variance, lagged = (
+            np.real((sigma2 * x).sum(axis=-3))
+            for x in (self.now, self.before + self.forced, np.ones_like(self.decay), self.decay)
+        )
+        if now + later != 0.0:
+            # The height is the sum of colours of variance -weight / (2 alpha), and the velocity its derivative.
+            slope = np.real((-0.5 * self.weights * self.decay).sum(axis=-3))
+            with_warp = -later * slope, now * slope
+        else:
+            memory = -np.expm1(-(self.alphas * self.tau)) / self.alphas
+            with_warp = (now * np.real((sigma2 * memory).sum(axis=-3)),) * 2
+        return PassedOn(variance[..., 0], lagged[..., 0], ((g, with_warp[0]), (h, with_warp[1])))

@@ -74,8 +74,8 @@ class Dynamics:
         N, J = alphas.shape
         forcing = np.concatenate([np.zeros((N, 1)), np.ones((N, J))], axis=1)
         rates = np.concatenate([np.zeros((N, 1)), alphas], axis=1)
-        x = np.concatenate([b[:, :, None], np.zeros((N, b.shape[1], J))], axis=2)
-        reach = np.maximum(self.fastest(), rates.max(axis=1)) * tau
+        x = np.concatenate([b[:, :, None], np.zeros((N, b.shape[1], J), dtype=alphas.dtype)], axis=2)
+        reach = np.maximum(self.fastest(), np.abs(rates).max(axis=1)) * tau
         steps = max(1, int(np.ceil(reach.max() / TAYLOR_REACH)))
         if steps > LONGEST_WALK:
             return self._leap(b, tau, alphas, int(np.ceil(np.log2(steps))))
@@ -87,7 +87,7 @@ class Dynamics:
                 drive = -(h / k) * rates[:, None, :] * drive
                 total = total + term
             x, forcing = total, forcing * np.exp(-h[:, 0] * rates)
-        return x[:, :, :1], np.moveaxis(x[:, :, 1:, None], 2, 1)
+        return x[:, :, :1].real, np.moveaxis(x[:, :, 1:, None], 2, 1)
 
     def _leap(self, b: Array, tau: Array, alphas: Array, squarings: int) -> tuple[Array, Array]:
         """The same as `propagate` over a long delay: ``e^(A h)`` squared, ``(alpha I + A)^-1`` for the forcing."""

@@ -20,7 +20,7 @@ from ...roads.road import Road
 from ...vehicles.parameters import DesignSpace
 from ...vehicles.second_order import SecondOrder
 from ...vehicles.vehicle import Vehicle
-from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
+from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, processes, spanned
 from .first_order import Correlations, Spectrum
 from .lyapunov import Dynamics
 
@@ -35,11 +35,15 @@ BATCH = 256
 
 
 class Moments(NamedTuple):
-    """Matrices of a batch of designs, covariance (N, 2n [+ 1], 2n [+ 1]) of (p, v [, warp]), its error (N,)."""
+    """Matrices of a batch of designs, covariance (N, 2n [+ 1], 2n [+ 1]) of (p, v [, warp]), its error (N,).
+
+    ``through`` (N, outputs) is what a road velocity of finite variance adds where it is passed straight on.
+    """
 
     model: SecondOrder
     X: Array
     error: Array
+    through: Array
     infinite: NDArray[np.bool_]
 
 
@@ -54,7 +58,6 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     vehicle : Vehicle
         Parameters may be arrays; the designs are solved together.
     road : Road
-        Waviness 2.
 
     Returns
     -------
@@ -66,7 +69,7 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     Raises
     ------
     ValueError
-        Waviness other than 2, a design that is not asymptotically stable, or a warp without finite variance.
+        A design that is not asymptotically stable, or a warp without finite variance.
 
     Examples
     --------
@@ -80,8 +83,7 @@ def covariance(vehicle: Vehicle, road: Road) -> xr.DataArray:
     True
     """
     check_kinds(vehicle, road)
-    space = vehicle.design_space()
-    flat = vehicle.flattened(space)
+    space, flat, road = spanned(vehicle, road)
     solved = [moments(flat, space, road, chosen, LOST_MATRIX) for chosen in batches(np.arange(space.size), BATCH)]
     states = list(solved[0].model.layout.relative_states)
     X = np.concatenate([batch.X for batch in solved])
@@ -105,7 +107,7 @@ def lost_digits(flat: Vehicle, space: DesignSpace, design: int) -> ValueError:
 
 def moments(flat: Vehicle, space: DesignSpace, road: Road, chosen: NDArray[np.int_], lost: float) -> Moments:
     """Covariance of some designs of a flattened vehicle, each with an error below ``lost``."""
-    designs = flat.select(chosen)
+    whole, designs, road = road, flat.select(chosen), road.select(chosen)
     model = designs.assemble()
     check_stationary(flat, road, model)
     try:
@@ -115,7 +117,7 @@ def moments(flat: Vehicle, space: DesignSpace, road: Road, chosen: NDArray[np.in
         # A pivot of exactly zero has lost all digits, like one of rounding: whose it is, halving tells.
         if len(chosen) > 1:
             for half in np.array_split(chosen, 2):
-                moments(flat, space, road, half, lost)
+                moments(flat, space, whole, half, lost)
         raise lost_digits(flat, space, int(chosen[0])) from None
     beyond = ~(solved.error < lost)
     if beyond.any():
@@ -132,28 +134,38 @@ def _solved(vehicle: Vehicle, model: SecondOrder, road: Road, N: int) -> Moments
     tau = np.broadcast_to(delay(vehicle, road), (N,))
     width = np.broadcast_to(vehicle.track_width, (N,)).astype(float)
 
-    Q = np.zeros((N, 2 * n, 2 * n))
+    stretch = np.concatenate([1.0 / root, 1.0 / root], axis=-1)
+    Y, D = model.velocity_form()[2:]
+    Q, through = np.zeros((N, 2 * n, 2 * n)), np.zeros((N, Y.shape[-2]))
     with_warp, of_warp = np.zeros((N, 2 * n, 1)), np.zeros((N, 1))
     excited = processes(vehicle, road)
     for process in excited:
-        _, *parts = colours(road, process.share, process.sign, width)
-        spectrum = Spectrum(*parts)
+        terms = colours(road, process.share, process.sign, width)
+        spectrum = Spectrum(terms.white[:, :, None], terms.alphas, terms.weights)
         front, rear = (np.broadcast_to(inputs @ side, (N, 2 * n))[..., None] for side in (process.now, process.later))
         free, forced = front, np.zeros((N, spectrum.alphas.shape[1], 2 * n, 1))
         if process.later.any():
             free, forced = dynamics.propagate(front[..., 0], tau, spectrum.alphas)
         stirred = Correlations(dynamics, front, rear, free, forced, spectrum, tau)
         Q += stirred.right_hand_side()
+        warped = (0.0, 0.0)
         if model.warp is not None and (process.now @ model.warp or process.later @ model.warp):
-            cross, own = stirred.warp(float(process.now @ model.warp), float(process.later @ model.warp))
+            warped = float(process.now @ model.warp), float(process.later @ model.warp)
+            cross, own = stirred.warp(*warped)
             with_warp += cross
             of_warp += own
+        if road.velocity_is_bounded and D.any():
+            at_once, late = (np.broadcast_to(D @ side, through.shape) for side in (process.now, process.later))
+            passed = stirred.passed_on(*warped)
+            with_velocity = [np.concatenate([stretch[..., None] * x, w], axis=-2) for x, w in passed.states]
+            with_now, with_late = ((Y @ x[..., : Y.shape[-1], :])[..., 0] for x in with_velocity)
+            through += 2.0 * (at_once * with_now + late * with_late + at_once * late * passed.lagged)
+            through += (at_once**2 + late**2) * passed.variance
 
     X, error = dynamics.lyapunov(Q)
-    stretch = np.concatenate([1.0 / root, 1.0 / root], axis=-1)
     X = X * (stretch[..., :, None] * stretch[..., None, :])
     if model.warp is not None:
         X = np.pad(X, [(0, 0), (0, 1), (0, 1)])
         X[:, :-1, -1] = X[:, -1, :-1] = stretch * with_warp[..., 0]
         X[:, -1, -1] = of_warp[:, 0]
-    return Moments(model, X, error, infinite_outputs(model, excited, road))
+    return Moments(model, X, error, through, infinite_outputs(model, excited, road))

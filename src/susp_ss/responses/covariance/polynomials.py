@@ -18,8 +18,9 @@ derivatives of xi's autocorrelation r at 0 and, with a wheelbase delay, at tau.
 A body that only rolls has one mode, which makes ``D = s^2 D~``: a road that differs between front and rear warps it.
 Deflections then hold the integral of ``xi = w / D~`` over the delay; minus r integrated twice is its autocorrelation.
 
-Polynomials are arrays of rows, the coefficients of 1, s, s^2, ..., with one column a design. The road's spectrum is
-``static - sum weights omega^2 / (alphas^2 + omega^2)``: what cancels at low frequency never enters.
+Polynomials are arrays of rows, the coefficients of 1, s, s^2, ..., with one column a design. The road's spectrum is a
+level and first-order terms, low-passes or high-passes: what cancels at either end never enters. Rates may be complex
+(a frequency weighting's): then the real part counts.
 """
 
 from __future__ import annotations
@@ -34,6 +35,9 @@ Array = NDArray[np.float64]
 # The short step of a delay has |s h| <= 1, where the series is exact to rounding after 1 / 19!.
 SERIES_TERMS = 19
 
+# Columns of all colours that are eliminated together: few enough to stay near the processor.
+TOGETHER = 4096
+
 # A colour as close as this to a real pole is moved by as much: what that changes is what rounding would.
 COINCIDENT = 1e-8
 
@@ -46,12 +50,20 @@ class Body(NamedTuple):
     rolls: bool
 
 
-class Track(NamedTuple):
-    """A road: the two-sided spectrum ``static - sum weights omega^2 / (alphas^2 + omega^2)``, colours (J, N)."""
+class Colours(NamedTuple):
+    """Terms ``(low alphas^2 + high omega^2) / (alphas^2 + omega^2)``, (J, N)."""
 
-    static: float
-    alphas: Array
-    weights: Array
+    alphas: Any
+    low: Any
+    high: Any
+
+
+class Track(NamedTuple):
+    """A road: the two-sided spectrum of a level (N,) and colours; complex ones count by their real part."""
+
+    level: Array
+    real: Colours
+    swinging: Colours
 
 
 class Delay(NamedTuple):
@@ -130,8 +142,8 @@ def product(p: Array, q: Array) -> Array:
 
 
 def plus(p: Array, q: Array, shift: int = 0) -> Array:
-    """``p(s) + s^shift q(s)``."""
-    out = np.zeros((max(len(p), len(q) + shift), p.shape[1]))
+    """``p(s) + s^shift q(s)``; complex if q is."""
+    out = np.zeros((max(len(p), len(q) + shift), p.shape[1]), dtype=q.dtype)
     out[: len(p)] = p
     out[shift : shift + len(q)] += q
     return out
@@ -168,7 +180,7 @@ def applied(p: Array, derivatives: Array) -> Array:
 
 def decaying(g: Array, alphas: Array, first: int, count: int) -> Array:
     """Derivatives of ``sum g e^(-alpha t)`` at 0, of orders first to count - 1; zeros before."""
-    out = np.zeros((count, g.shape[1]))
+    out = np.zeros((count, g.shape[1]), dtype=g.dtype)
     term = g * (-alphas) ** first
     for k in range(first, count):
         out[k] = term.sum(axis=0)
@@ -177,7 +189,7 @@ def decaying(g: Array, alphas: Array, first: int, count: int) -> Array:
 
 
 def value(p: Array, s: Array) -> Array:
-    """``p(s)`` at real s (J, N), J a column of p."""
+    """``p(s)`` at s (J, N), J a column of p."""
     out = p[-1] + 0.0 * s
     for i in range(len(p) - 2, -1, -1):
         out = out * s + p[i]
@@ -192,7 +204,8 @@ def routh(D: Array, density: Array) -> Array:
     in the last. Eliminating leading coefficients in turn leaves one new derivative in each row.
     """
     n = len(D) - 1
-    table, right = np.zeros((n + 1, n // 2 + 1, D.shape[1])), np.zeros((n + 1, D.shape[1]))
+    table = np.zeros((n + 1, n // 2 + 1, D.shape[1]), dtype=D.dtype)
+    right = np.zeros((n + 1, D.shape[1]), dtype=D.dtype)
     for j in range(n + 1):
         table[j % 2, j // 2] = D[n - j]
     right[1] = -((-1.0) ** n) * density / (2.0 * D[n])
@@ -203,7 +216,7 @@ def routh(D: Array, density: Array) -> Array:
         shared = (n - i) // 2
         table[i + 1, :shared] -= factor * table[i, 1 : shared + 1]
         right[i + 1] = -factor * right[i]
-    derivatives = np.zeros((n, D.shape[1]))
+    derivatives = np.zeros((n, D.shape[1]), dtype=D.dtype)
     for e in range(n):
         row, known = table[n - e], e // 2
         rest = (row[1 : known + 1] * derivatives[e - known : e][::-1]).sum(axis=0)
@@ -238,46 +251,77 @@ def delay_operator(D: Array, tau: Array, squarings: int) -> Array:
 
 
 def apart(D: Array, alphas: Array) -> tuple[Array, Array]:
-    """Rates of colours (J, N), none of which sits on a real pole ``-alpha`` of D, and ``D(alpha) D(-alpha)``.
+    """Rates of colours (J, N), none of which sits on a pole ``-alpha`` of D, and ``D(alpha) D(-alpha)``.
 
-    All coefficients of D are positive, so that ``D(alpha)`` is the size of the terms of ``D(-alpha)``.
+    All coefficients of D are positive, so that ``D(|alpha|)`` is the size of the terms of ``D(-alpha)``.
     """
-    size, signed = value(D, alphas), value(reflected(D), alphas)
-    near = np.abs(signed) < COINCIDENT * size
+    signed = value(reflected(D), alphas)
+    near = np.abs(signed) < COINCIDENT * value(D, np.abs(alphas))
     if not near.any():
-        return alphas, size * signed
+        return alphas, value(D, alphas) * signed
     rates = np.where(near, alphas * (1.0 + COINCIDENT), alphas)
     return rates, value(D, rates) * value(reflected(D), rates)
 
 
 def start(D: Array, road: Track) -> Array:
-    """Even derivatives of r at 0 for monic D, from white noise of the static level and high-passes of ``-weights``."""
-    n, N, J = len(D) - 1, D.shape[1], len(road.alphas)
-    out = np.zeros((n, N))
-    if road.static > 0.0:
-        out += routh(D, np.full(N, road.static))
-    if J > 0:
-        # A high-pass is minus its low-pass differentiated twice, over alpha^2; all colours in one go.
-        longer, density = np.zeros((n + 2, J * N)), np.zeros(J * N)
-        for j in range(J):
-            longer[:, j * N : (j + 1) * N] = plus(D, D / road.alphas[j], 1)
-            density[j * N : (j + 1) * N] = road.weights[j] / road.alphas[j] ** 2
-        each = routh(longer, density)
-        for j in range(J):
-            out += each[1:, j * N : (j + 1) * N]
+    """Even derivatives of r at 0 for monic D, from white noise of the level and from every colour."""
+    out = np.zeros((len(D) - 1, D.shape[1]))
+    if road.level.any():
+        out += routh(D, road.level)
+    if len(road.real.alphas) > 0:
+        out += coloured(D, road.real)
+    if len(road.swinging.alphas) > 0:
+        out += coloured(D, road.swinging).real
     return out
 
 
-def carried(A: Array, now: Array, g: Array, alphas: Array, rolls: bool, delay: Delay) -> Array:
-    """Derivatives 0 to 14 at tau of a function with ``A(d/dt)`` zero, apart from exponentials ``g e^(-alpha t)``.
+def coloured(D: Array, colours: Colours) -> Array:
+    """The share of colours in `start`: low-passed white noise; a high-pass is it differentiated twice, over alpha^2."""
+    n, N, J = len(D) - 1, D.shape[1], len(colours.alphas)
+    out, together = np.zeros((n, N), dtype=colours.alphas.dtype), max(1, TOGETHER // N)
+    for first in range(0, J, together):
+        last = min(first + together, J)
+        longer = np.zeros((n + 2, (last - first) * N), dtype=colours.alphas.dtype)
+        for j in range(first, last):
+            longer[:, (j - first) * N : (j - first + 1) * N] = plus(D, D / colours.alphas[j], 1)
+        each = routh(longer, np.ones(longer.shape[1]))
+        for j in range(first, last):
+            here = each[:, (j - first) * N : (j - first + 1) * N]
+            out += colours.low[j] * here[:n] - colours.high[j] / colours.alphas[j] ** 2 * here[1:]
+    return out
 
-    A is monic of degree 8 and ``now`` holds the even derivatives at 0, of order 0 to 12; the odd ones are zero. Where
-    the body rolls, the exponentials come without value and slope at 0.
+
+def fading(colours: Colours, both: Array, rolls: bool) -> Array:
+    """Sizes g (J, N) of the exponentials ``g e^(-alpha t)`` that colours leave in the autocorrelation of `start`.
+
+    Of xi', or of the integral of xi where the body rolls; ``both`` is ``D(alpha) D(-alpha)``.
     """
-    n, first = 8, 2 if rolls else 0
+    gone = 0.5 * (colours.high - colours.low) / both
+    return gone / colours.alphas if rolls else gone * colours.alphas**3
+
+
+def faded(g: Array, past: Array, alphas: Array, rolls: bool, count: int) -> Array:
+    """Derivatives of orders below count, at the delay, of ``sum g e^(-alpha t)``.
+
+    Where the body rolls they come without value and slope at 0.
+    """
+    later = decaying(g * np.exp(-past), alphas, 2 if rolls else 0, count)
+    if rolls:
+        later[0] += (g * (np.expm1(-past) + past)).sum(axis=0)
+        later[1] -= (g * alphas * np.expm1(-past)).sum(axis=0)
+    return later
+
+
+def carried(A: Array, now: Array, exponentials: Array, later_exponentials: Array, delay: Delay) -> Array:
+    """Derivatives 0 to 14 at tau of a function with ``A(d/dt)`` zero, apart from exponentials.
+
+    A is monic of degree 8 and ``now`` holds the even derivatives at 0, of order 0 to 12; the odd ones are zero.
+    ``exponentials`` are derivatives 0 to 12 of the exponentials at 0, ``later_exponentials`` 0 to 14 at tau.
+    """
+    n = 8
     free, later = np.zeros((2 * n - 1, A.shape[1])), np.zeros((2 * n - 1, A.shape[1]))
     free[0:13:2] = now
-    free[:13] -= decaying(g, alphas, first, 13)
+    free[:13] -= exponentials
     for k in range(13, 15):
         free[k] = -applied(A[:n], free[k - n : k])
     operator = delay_operator(A, delay.tau / delay.steps, delay.halvings)
@@ -287,11 +331,7 @@ def carried(A: Array, now: Array, g: Array, alphas: Array, rolls: bool, delay: D
         for k in range(n, 15):
             later[k] = -applied(A[:n], later[k - n : k])
         free[:] = later
-    past = alphas * delay.tau
-    if rolls and len(alphas) > 0:
-        later[0] += (g * (np.expm1(-past) + past)).sum(axis=0)
-        later[1] -= (g * alphas * np.expm1(-past)).sum(axis=0)
-    return later + decaying(g * np.exp(-past), alphas, first, 15)
+    return later + later_exponentials
 
 
 def one_strut(strut: Array, compliance: Array, road: Track) -> Array:
@@ -308,8 +348,7 @@ def one_strut(strut: Array, compliance: Array, road: Track) -> Array:
     kappa, T, E = strut[1:3], strut[3:5], wheel(strut)
     D = plus(scaled(product(kappa, E), compliance), plus(E, kappa), 2)
     monic = 1.0 / D[-1]
-    rates, _ = apart(D, road.alphas)
-    now = -start(scaled(D, monic), Track(road.static, rates, road.weights))[1:]
+    now = -start(scaled(D, monic), road)[1:]
     P = scaled(modulus(T), monic**2)
     d, rate, jerk = applied(P, now), -applied(P, now[1:]), applied(P, now[2:])
     F = k**2 * d + c**2 * rate
@@ -348,8 +387,11 @@ def two_struts(struts: Array, body: Body, road: Track, delay: Delay, damped: boo
         D = plus(scaled(product(H1, H2), body.rigidity), D, 2)
     monic = 1.0 / D[-1]
     D = scaled(D, monic)
-    rates, both = apart(D, road.alphas)
-    r = start(D, Track(road.static, rates, road.weights))
+    real, real_both = apart(D, road.real.alphas)
+    swinging, swinging_both = apart(D, road.swinging.alphas)
+    real_colours = Colours(real, road.real.low, road.real.high)
+    swinging_colours = Colours(swinging, road.swinging.low, road.swinging.high)
+    r = start(D, Track(road.level, real_colours, swinging_colours))
     # Deflections are polynomials in xi', or in the integral of xi where the body rolls: of autocorrelation R.
     zero = np.zeros((7, N))
     if rolls:
@@ -373,10 +415,12 @@ def two_struts(struts: Array, body: Body, road: Track, delay: Delay, damped: boo
     for k in range(4):
         cross[k] = applied(every_other(P12, k % 2), zero[(k + 1) // 2 :])
     if delay.steps > 0:
-        gone = -0.5 * road.weights / both
         A = plus(np.zeros((1, N)), D, 2) if rolls else D
-        g = gone / rates if rolls else gone * rates**3
-        later = carried(A, zero, g, rates, rolls, delay)
+        g, h = fading(real_colours, real_both, rolls), fading(swinging_colours, swinging_both, rolls)
+        first = 2 if rolls else 0
+        now = decaying(g, real, first, 13) + decaying(h, swinging, first, 13).real
+        then = faded(g, real * delay.tau, real, rolls, 15) + faded(h, swinging * delay.tau, swinging, rolls, 15).real
+        later = carried(A, zero, now, then, delay)
         P1, P2 = product(a1, reflected(b1)), product(b2, reflected(a2))
         ahead, behind = product(a1, reflected(a2)), product(reflected(b1), b2)
         for k in range(3):

@@ -13,7 +13,7 @@ from numba.extending import overload, register_jitable
 
 from . import polynomials
 from .compiler import compiled
-from .polynomials import Body, Cross, Delay, Even, Joint, Track, Wheel
+from .polynomials import Body, Colours, Cross, Delay, Even, Joint, Track, Wheel
 
 # Designs whose polynomials stay in the first caches.
 WIDTH = 256
@@ -37,7 +37,7 @@ def _product(p, q):
 @overload(polynomials.plus, jit_options=OPTIONS)
 def _plus(p, q, shift=0):
     def plus(p, q, shift=0):
-        out = np.zeros((max(len(p), len(q) + shift), p.shape[1]))
+        out = np.zeros((max(len(p), len(q) + shift), p.shape[1]), q.dtype)
         for i in range(len(p)):
             for N in range(p.shape[1]):
                 out[i, N] = p[i, N]
@@ -101,7 +101,7 @@ def _applied(p, derivatives):
 @overload(polynomials.decaying, jit_options=OPTIONS)
 def _decaying(g, alphas, first, count):
     def decaying(g, alphas, first, count):
-        out = np.zeros((count, g.shape[1]))
+        out = np.zeros((count, g.shape[1]), g.dtype)
         for j in range(len(g)):
             for N in range(g.shape[1]):
                 term = g[j, N] * (1.0 if first == 0 else alphas[j, N] ** 2)
@@ -116,7 +116,7 @@ def _decaying(g, alphas, first, count):
 @overload(polynomials.value, jit_options=OPTIONS)
 def _value(p, s):
     def value(p, s):
-        out = np.empty(s.shape)
+        out = np.empty(s.shape, s.dtype)
         for j in range(len(s)):
             for N in range(s.shape[1]):
                 out[j, N] = p[-1, N]
@@ -132,8 +132,8 @@ def _value(p, s):
 def _routh(D, density):
     def routh(D, density):
         n, designs = len(D) - 1, D.shape[1]
-        table, right = np.empty((n + 1, n // 2 + 1, designs)), np.empty((n + 1, designs))
-        derivatives, factor = np.empty((n, designs)), np.empty(designs)
+        table, right = np.empty((n + 1, n // 2 + 1, designs), D.dtype), np.empty((n + 1, designs), D.dtype)
+        derivatives, factor = np.empty((n, designs), D.dtype), np.empty(designs, D.dtype)
         sign = 2.0 * (n % 2) - 1.0
         for N in range(designs):
             right[1, N] = sign * density[N] / (2.0 * D[n, N])
@@ -232,12 +232,26 @@ for function in (
     polynomials.modulus,
     polynomials.apart,
     polynomials.start,
+    polynomials.coloured,
+    polynomials.fading,
+    polynomials.faded,
     polynomials.carried,
     polynomials.wheel,
     polynomials.one_strut,
     polynomials.two_struts,
 ):
     register_jitable(**OPTIONS)(function)
+
+
+@register_jitable(**OPTIONS)
+def part_of(road, N, end):
+    """A road of some of the designs."""
+    real, swinging = road.real, road.swinging
+    return Track(
+        road.level[N:end].copy(),
+        Colours(real.alphas[:, N:end].copy(), real.low[:, N:end].copy(), real.high[:, N:end].copy()),
+        Colours(swinging.alphas[:, N:end].copy(), swinging.low[:, N:end].copy(), swinging.high[:, N:end].copy()),
+    )
 
 
 @compiled(**OPTIONS)
@@ -247,7 +261,7 @@ def one_strut(strut, compliance, road):
     out = np.empty((4, designs))
     for N in range(0, designs, WIDTH):
         end = min(N + WIDTH, designs)
-        here = Track(road.static, road.alphas[:, N:end].copy(), road.weights[:, N:end].copy())
+        here = part_of(road, N, end)
         out[:, N:end] = polynomials.one_strut(strut[:, N:end].copy(), compliance[N:end].copy(), here)
     return out
 
@@ -260,7 +274,7 @@ def two_struts(struts, body, road, delay, damped):
     for N in range(0, designs, WIDTH):
         end = min(N + WIDTH, designs)
         joined = Body(body.compliance[:, :, N:end].copy(), body.rigidity[N:end].copy(), body.rolls)
-        here = Track(road.static, road.alphas[:, N:end].copy(), road.weights[:, N:end].copy())
+        here = part_of(road, N, end)
         later = Delay(delay.tau[N:end].copy(), delay.steps, delay.halvings)
         out[:, N:end] = polynomials.two_struts(struts[:, :, N:end].copy(), joined, here, later, damped)
     return out

@@ -61,11 +61,11 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
         compiled = max(designs, space.size) >= plenty and compiler_found()
 
         def solve(block: slice) -> None:
-            some, size = flat.select(block), block.stop - block.start
+            here, size = (flat.select(block), road.select(block)), block.stop - block.start
             if whole:
-                found = whole_variances(whole.select(block), some, road, size, kernels)
+                found = whole_variances(whole.select(block), *here, size, kernels)
             else:
-                found = symmetric_variances([half.select(block) for half in halves], some, road, size, kernels)
+                found = symmetric_variances([half.select(block) for half in halves], *here, size, kernels)
             variances[:, block], left[block] = found
 
         if compiled:
@@ -82,9 +82,9 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
             for part in _blocks(space.size, block):
                 solve(part)
     for chosen in batches(np.flatnonzero(left), BATCH):
-        model, X, error, infinite = moments(flat, space, road, chosen, LOST)
+        model, X, error, through, infinite = moments(flat, space, road, chosen, LOST)
         Y = model.velocity_form()[2]
-        variance = np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
+        variance = through + np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
         terms = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0))) ** 2
         values, lost = _sound(variance, terms, error, infinite)
         if lost.any():

@@ -241,6 +241,7 @@ def excited(
     linked: Linked,
     now: Array,
     later: Array,
+    steep: bool,
     road: Track,
     tau: Array,
     step: Array,
@@ -249,13 +250,15 @@ def excited(
 ) -> Array:
     """Second moments of the body's accelerations, of deflections, loads and rates, (B^2 + 3 S, N), on one process.
 
-    They are nan where the wheels' heights warp the body without bound.
+    They are nan where the wheels' heights warp the body without bound: together or, on a ``steep`` road, those of now.
     """
     D, N = linked.D, linked.D.shape[1]
     n, B, S = len(D) - 1, len(chassis.mobility), len(chassis.struts)
-    rates, both = polynomials.apart(D, road.alphas)
+    real, real_both = polynomials.apart(D, road.real.alphas)
+    swinging, swinging_both = polynomials.apart(D, road.swinging.alphas)
+    road = Track(road.level, road.real._replace(alphas=real), road.swinging._replace(alphas=swinging))
     moments, none = np.zeros((2 * n + 2, N)), np.zeros((0, N))
-    moments[2:-1:2] = -kernels.start(D, Track(road.static, rates, road.weights))
+    moments[2:-1:2] = -kernels.start(D, road)
 
     def driven(weights: Array) -> Array:
         return np.asarray(kernels.signals(*chassis, linked.deflections, weights))
@@ -263,22 +266,24 @@ def excited(
     def together(rows: Array, others: Array, derivatives: Array, steps: int, gone: Array) -> Array:
         return np.asarray(kernels.across(rows, others, derivatives, step, steps, gone, B, S))
 
+    def warped(rows: Array) -> Array:
+        return np.abs(rows[B : B + S, 0]).sum(axis=0)
+
     first = driven(now)
-    out, heights = together(first, first, moments, 0, none), first[B : B + S, 0]
+    out, warp = together(first, first, moments, 0, none), warped(first)
     if later.any():
         second = driven(later)
         # The exponentials that colours leave in R cross the delay by themselves, without value and slope at 0.
-        g = -0.5 * road.weights / (both * rates)
-        past = rates * tau
-        free = moments - polynomials.decaying(g, rates, 2, 2 * n + 2)
+        g, count = polynomials.fading(road.real, real_both, True), 2 * n + 2
+        h = polynomials.fading(road.swinging, swinging_both, True)
+        free = moments - polynomials.decaying(g, real, 2, count) - polynomials.decaying(h, swinging, 2, count).real
         free[-1] = -polynomials.applied(D[:-1], free[n + 1 : -1])
-        gone = polynomials.decaying(g * np.exp(-past), rates, 2, 2 * n + 2)
-        gone[0] += (g * (np.expm1(-past) + past)).sum(axis=0)
-        gone[1] -= (g * rates * np.expm1(-past)).sum(axis=0)
+        gone = polynomials.faded(g, real * tau, real, True, count)
+        gone += polynomials.faded(h, swinging * tau, swinging, True, count).real
         cross = together(first, second, free, steps, gone)
         out = out + together(second, second, moments, 0, none) + cross
         out[: B * B] += cross[: B * B].reshape(B, B, N).swapaxes(0, 1).reshape(B * B, N)
         out[B * B :] += cross[B * B :]
-        heights = heights + second[B : B + S, 0]
+        warp = warped(first + second) + steep * warp
     size = np.abs(linked.deflections[:, :, 0]).sum(axis=0).T @ (np.abs(now) + np.abs(later))
-    return np.where(np.abs(heights).sum(axis=0) > BALANCED * size, np.nan, out)
+    return np.where(warp > BALANCED * size, np.nan, out)

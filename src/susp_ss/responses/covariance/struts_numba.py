@@ -10,8 +10,7 @@ import numpy as np
 
 from . import polynomials
 from .compiler import compiled
-from .polynomials import Track
-from .polynomials_numba import OPTIONS
+from .polynomials_numba import OPTIONS, part_of
 
 # Designs whose polynomials stay in the first caches.
 WIDTH = 64
@@ -176,6 +175,5 @@ def start(D, road):
     out = np.empty((len(D) - 1, D.shape[1]))
     for first in range(0, D.shape[1], WIDTH):
         end = min(first + WIDTH, D.shape[1])
-        here = Track(road.static, road.alphas[:, first:end].copy(), road.weights[:, first:end].copy())
-        out[:, first:end] = polynomials.start(D[:, first:end].copy(), here)
+        out[:, first:end] = polynomials.start(D[:, first:end].copy(), part_of(road, first, end))
     return out

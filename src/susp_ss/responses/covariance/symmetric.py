@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...quantities import signal
-from ...roads.colours import colours
+from ...roads import colours as roads
 from ...roads.road import Road
 from ...vehicles.decoupled import OnStruts
 from ...vehicles.second_order import Outputs
 from ...vehicles.vehicle import Vehicle
-from ..excitation import Process, delay, processes
+from ..excitation import Process, delay, processes, steep
 from . import digits, polynomials
-from .polynomials import Array, Body, Delay, OneStrut, Track, TwoStruts
+from .polynomials import Array, Body, Colours, Delay, OneStrut, Track, TwoStruts
 
 # A delay is walked in steps in which no root turns by more than this many radians: e^(s h) mod D keeps its digits.
 REACH = 16.0
@@ -74,13 +74,22 @@ class Problem(NamedTuple):
 
 
 def problems(halves: Sequence[OnStruts], vehicle: Vehicle, road: Road, N: int) -> list[Problem]:
-    """The halves of N designs on a road as problems; none where there are no halves, or a wheel sees no road."""
+    """The halves of N designs on a road as problems; none where there are no halves, or a wheel sees no road.
+
+    Nor where a damped tyre passes on a velocity of finite variance, which these polynomials do not hold, or the road
+    warps the wheels without bound.
+    """
     if road.wheels is not None and not set(vehicle.wheels) <= set(road.wheels):
+        return []
+    if road.velocity_is_bounded and any(np.any(strut.ct) for half in halves for strut in half.struts.values()):
         return []
     tau = np.broadcast_to(np.asarray(delay(vehicle, road), dtype=float), N)
     width = np.broadcast_to(np.asarray(vehicle.track_width, dtype=float), N)
+    excited = processes(vehicle, road)
+    if any(steep(difference, road) and difference.later.any() for difference in excited[1:]):
+        return []
     # On identical tracks the half difference of left and right is nothing.
-    pairs = zip(halves, processes(vehicle, road), strict=False)
+    pairs = zip(halves, excited, strict=False)
     return [_problem(half, road, process, tau, width) for half, process in pairs]
 
 
@@ -91,7 +100,7 @@ def _problem(half: OnStruts, road: Road, process: Process, tau: Array, width: Ar
             row[:] = values
         return out
 
-    spectrum = colours(road, process.share, process.sign, width)
+    spectrum = roads.colours(road, process.share, process.sign, width)
     count = range(len(half.struts))
     body = half.body.items()
     per_force = {name: [mode.mobility * arm for arm in mode.arms] for name, mode in body}
@@ -107,12 +116,19 @@ def _problem(half: OnStruts, road: Road, process: Process, tau: Array, width: Ar
             name: stacked([sum(share * per_force[mode][i] for mode, share in shares.items()) for i in count])
             for name, shares in half.points.items()
         },
-        road=Track(
-            float(spectrum.static), np.ascontiguousarray(spectrum.alphas.T), np.ascontiguousarray(spectrum.weights.T)
-        ),
+        road=as_track(spectrum),
         tau=tau,
         delayed=bool(process.later.any()),
     )
+
+
+def as_track(spectrum: roads.Colours) -> Track:
+    """A spectrum with its terms as rows, those of complex rates apart."""
+    complex_rates = np.imag(spectrum.alphas).any(axis=0)
+    terms = spectrum.alphas, spectrum.low, spectrum.high
+    real = (np.ascontiguousarray(term[:, ~complex_rates].real.T) for term in terms)
+    swinging = (np.ascontiguousarray(term[:, complex_rates].T, dtype=complex) for term in terms)
+    return Track(np.ascontiguousarray(spectrum.level[:, 0]), Colours(*real), Colours(*swinging))
 
 
 def symmetric_variances(

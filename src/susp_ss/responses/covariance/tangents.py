@@ -65,9 +65,11 @@ def variance_tangents(vehicle: Vehicle, road: Road, settings: Sequence[Setting],
     system = _system(vehicle, model, settings, N)
     excited = processes(vehicle, road)
 
-    logarithmic = {name: _along(settings, name) / (getattr(road, name) or 1.0) for name in ROAD}
-    tau = system.wheelbase / road.speed
-    tau = Dual(tau.value, tau.tangent - tau.value * logarithmic["speed"])
+    ground = {}
+    for name in ROAD:
+        value = np.broadcast_to(np.asarray(getattr(road, name), dtype=float), N)
+        ground[name] = Dual(value, np.broadcast_to(_along(settings, name), (len(settings), N)))
+    tau = system.wheelbase / ground["speed"]
     if not any(process.later.any() for process in excited):
         tau = 0.0 * tau
 
@@ -75,29 +77,42 @@ def variance_tangents(vehicle: Vehicle, road: Road, settings: Sequence[Setting],
     n = A.shape[-1] // 2
     free_dynamics = Dynamics(-A[:, n:, :n], -A[:, n:, n:])
     dynamics = Dynamics(free_dynamics.K.value, free_dynamics.C.value)
-    spectra = [_spectrum(road, process, system.track_width, logarithmic) for process in excited]
+    spectra = [_spectrum(road, process, system.track_width, ground) for process in excited]
     fronts = [(system.B @ process.now)[:, :, None] for process in excited]
     E, forced = _carried(dynamics, A, tau, fronts, spectra[0].alphas)
 
     Q, cross, own = 0.0 * A, 0.0 * fronts[0], 0.0 * spectra[0].white[:, 0]
+    through = 0.0 * (system.Y @ fronts[0])[:, :, 0]
     for process, front, spectrum, drift in zip(excited, fronts, spectra, forced, strict=True):
         rear = (system.B @ process.later)[:, :, None]
         stirred = Correlations(free_dynamics, front, rear, E @ front, drift.mT[:, :, :, None], spectrum, tau)
         Q += stirred.right_hand_side()
+        warped = (0.0, 0.0)
         if model.warp is not None and (process.now @ model.warp or process.later @ model.warp):
-            with_warp, of_warp = stirred.warp(float(process.now @ model.warp), float(process.later @ model.warp))
+            warped = float(process.now @ model.warp), float(process.later @ model.warp)
+            with_warp, of_warp = stirred.warp(*warped)
             cross, own = cross + with_warp, own + of_warp
+        if road.velocity_is_bounded:
+            at_once, late = system.D @ process.now, system.D @ process.later
+            passed = stirred.passed_on(*warped)
+            with_now, with_late = (
+                (system.Y @ x)[:, :, 0] + system.on_warp * (w[:, :, 0] if np.ndim(w) else w) for x, w in passed.states
+            )
+            through += 2.0 * (at_once * with_now + late * with_late + at_once * late * passed.lagged)
+            through += (at_once * at_once + late * late) * passed.variance
 
     X, _ = dynamics.lyapunov(Q.value)
     sway = A.tangent @ X
     dX, _ = dynamics.lyapunov(sway + np.swapaxes(sway, -1, -2) + Q.tangent)
     Y, w = system.Y, system.on_warp
-    variance = ((Y @ Dual(X, dX)) * Y).sum(-1) + 2.0 * w * (Y @ cross)[:, :, 0] + w * w * own
+    variance = ((Y @ Dual(X, dX)) * Y).sum(-1) + 2.0 * w * (Y @ cross)[:, :, 0] + w * w * own + through
 
     zero = variances == 0.0
     wheels = np.stack([side for process in excited for side in process[:2]], axis=-1)
     passed_on, terms = system.D.tangent @ wheels, np.abs(system.D.tangent) @ np.abs(wheels)
-    unbounded = np.isinf(variances) | np.any(beyond_rounding(passed_on, terms), axis=-1)
+    unbounded = np.isinf(variances) | (
+        np.any(beyond_rounding(passed_on, terms), axis=-1) & (not road.velocity_is_bounded)
+    )
     kinked = zero & _moving(system, model, excited, tau) if zero.any() else np.zeros_like(unbounded)
     return Tangents(np.where(unbounded, np.nan, np.where(zero, 0.0, variance.tangent)), kinked, system.damping)
 
@@ -140,27 +155,13 @@ def _system(vehicle: Vehicle, model: SecondOrder, settings: Sequence[Setting], N
     )
 
 
-def _spectrum(road: Road, process: Process, width: Dual, logarithmic: dict[str, Array]) -> Spectrum:
-    """The spectrum with its derivatives: rates go with the speed, weights with speed and roughness."""
-    part, step = (road, process.share, process.sign), 1.0 + 1j * STEP
-    _, white, alphas, weights = colours(*part, width.value)
-    N, wider = len(alphas), np.zeros_like(width.tangent)
-    np.divide(width.tangent, width.value, out=wider, where=width.value > 0.0)
-    roughness, speed, cutoff = (logarithmic[name][..., None] for name in ("roughness", "speed", "cutoff"))
-    ways = [(colours(*part, width.value * step), wider[..., None])]
-    if road.cutoff:
-        ways.append((colours(*part, width.value, road.cutoff * step), cutoff))
-
-    def dual(value: Array, scaled: Array, moved: list[tuple[Array, Array]]) -> Dual:
-        tangent = value * scaled + sum(other.imag / STEP * way for other, way in moved)
-        return Dual(value, np.broadcast_to(tangent, (len(tangent), *value.shape)))
-
-    intensity = speed + roughness
-    return Spectrum(
-        dual(np.full((N, 1), white), intensity, [])[:, :, None],
-        dual(alphas, speed, [(other.alphas, way) for other, way in ways]),
-        dual(weights, intensity, [(other.weights, way) for other, way in ways]),
-    )
+def _spectrum(road: Road, process: Process, width: Dual, ground: dict[str, Dual]) -> Spectrum:
+    """The spectrum with its derivatives along the track width and what a design sets of a road."""
+    there = road.mapped(lambda x: x)
+    for name, value in ground.items():
+        object.__setattr__(there, name, value[:, None])
+    terms = colours(there, process.share, process.sign, width)
+    return Spectrum(terms.white[:, :, None], terms.alphas, terms.weights)
 
 
 def _carried(dynamics: Dynamics, A: Dual, tau: Dual, sources: Sequence[Dual], alphas: Dual) -> tuple[Dual, list[Dual]]:

@@ -13,10 +13,11 @@ from ...roads.colours import colours
 from ...roads.road import Road
 from ...vehicles.decoupled import OnStruts
 from ...vehicles.vehicle import Vehicle
-from ..excitation import delay, processes
+from ..excitation import Process, delay, processes, steep
 from . import digits, struts
 from .polynomials import Array, Track
 from .struts import Chassis
+from .symmetric import as_track
 
 # A delay is walked in steps in which no root turns by more than this many radians: a bound some half above the fastest,
 # of which a step of 20 keeps twelve digits.
@@ -28,10 +29,11 @@ ZERO, CANCELLED = 1e-24, 1e-17
 
 
 class Stirred(NamedTuple):
-    """One process: how much of it each strut's wheel sees at once and later (S,), and its spectrum."""
+    """One process: how much of it each strut's wheel sees at once and later (S,), whether it is `steep`, its spectrum."""
 
     now: Array
     later: Array
+    steep: bool
     road: Track
 
 
@@ -59,7 +61,7 @@ class Problem(NamedTuple):
             struts.excited(chassis, linked, *process, self.tau, step, steps, kernels) for process in self.excited
         )
         body, (deflections, loads, rates) = total[: B * B].reshape(B, B, -1), total[B * B :].reshape(3, S, -1)
-        driven = np.any([(now != 0.0) | (later != 0.0) for now, later, _ in self.excited], axis=0)
+        driven = np.any([(now != 0.0) | (later != 0.0) for now, later, *_ in self.excited], axis=0)
         loads[(chassis.struts[:, 4] > 0.0) & driven[:, None]] = np.inf
         largest = self._largest(deflections, rates)
         out = {name: self._acceleration(share, body, largest) for name, share in self.points.items()}
@@ -117,10 +119,9 @@ def problem(whole: OnStruts, vehicle: Vehicle, road: Road, N: int) -> Problem:
     width = np.broadcast_to(np.asarray(vehicle.track_width, dtype=float), N)
     corners = list(whole.struts)
 
-    def stirred(now: Array, later: Array, share: float, sign: int) -> Stirred:
-        spectrum = colours(road, share, sign, width)
-        alphas, weights = np.ascontiguousarray(spectrum.alphas.T), np.ascontiguousarray(spectrum.weights.T)
-        return Stirred(now, later, Track(float(spectrum.static), alphas, weights))
+    def stirred(process: Process) -> Stirred:
+        spectrum = colours(road, process.share, process.sign, width)
+        return Stirred(process.now, process.later, steep(process, road), as_track(spectrum))
 
     return Problem(
         places=tuple(name for (name,) in corners),
@@ -135,7 +136,7 @@ def problem(whole: OnStruts, vehicle: Vehicle, road: Road, N: int) -> Problem:
             name: stacked([shares.get(coordinate, 0.0) for coordinate in whole.body])
             for name, shares in whole.points.items()
         },
-        excited=tuple(stirred(*process) for process in processes(vehicle, road)),
+        excited=tuple(stirred(process) for process in processes(vehicle, road)),
         tau=stacked([delay(vehicle, road)])[0],
     )
 
@@ -145,8 +146,8 @@ def whole_variances(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Variances (outputs, N) of N designs by their struts, and which of them (N,) are left to matrices.
 
-    All are where the delay is very long; those are whose wheels warp the road without bound or have no damper, and each
-    one that may keep fewer than six digits here.
+    All are where the delay is very long; those are whose wheels warp the road without bound or have no damper, whose
+    damped tyres pass on a velocity of finite variance, and each one that may keep fewer than six digits here.
     """
     outputs, one = vehicle.layout().outputs, problem(whole, vehicle, road, N)
     compliance, delayed = one.compliance(), any(process.later.any() for process in one.excited)
@@ -161,6 +162,8 @@ def whole_variances(
 
         variances = solved(one)
         left = np.isnan(variances).any(axis=0) | digits.undamped(one.chassis.struts)
+        if road.velocity_is_bounded:
+            left |= one.chassis.struts[:, 4].any(axis=0)
         if digits.extreme(one.stiffened(), compliance):
             left |= digits.disagreement(variances, solved(one.in_other_units()), outputs)
     return variances, left
