@@ -104,13 +104,13 @@ def matrix(chassis: Chassis) -> Array:
     return out
 
 
-def linked(chassis: Chassis, kernels: Any) -> Linked:
+def linked(chassis: Chassis) -> Linked:
     """The determinant, and the adjugate times the tyres, by minors from the last row up."""
     M, S, B, N = matrix(chassis), len(chassis.struts), len(chassis.mobility), chassis.struts.shape[2]
     tables = expansions(S)
 
     def with_row(i: int, minors: Array, k: int) -> Array:
-        return np.asarray(kernels.expanded(M[i], minors, tables[k], 2 if k + 1 > B else 0))
+        return expanded(M[i], minors, tables[k], 2 if k + 1 > B else 0)
 
     below = [np.ones((1, 1, N))]
     for k in range(S - 1):
@@ -130,21 +130,13 @@ def linked(chassis: Chassis, kernels: Any) -> Linked:
     return Linked(D * monic, deflections)
 
 
-def signals(
-    struts: Array,
-    pairs: NDArray[np.int_],
-    bars: Array,
-    mobility: Array,
-    arms: Array,
-    deflections: Array,
-    weights: Array,
-) -> Array:
+def signals(chassis: Chassis, deflections: Array, weights: Array) -> Array:
     """Numerators over ``s D`` of what the road stirs, (B + 2 S, n + 1, N), where it moves at ``weights`` (S,) times u.
 
     Accelerations of the body's coordinates, then deflections and tyre loads of the struts.
     """
-    S, B = len(struts), len(mobility)
-    length, N = deflections.shape[2:]
+    struts, arms = chassis.struts, chassis.arms
+    S, B, (length, N) = len(struts), len(arms), deflections.shape[2:]
     out = np.zeros((B + 2 * S, length + 1, N))
     accelerations, d, loads = out[:B], out[B : B + S], out[B + S :]
     for j in range(S):
@@ -153,7 +145,7 @@ def signals(
     m, k, c = struts[:, 0, None], struts[:, 1, None], struts[:, 2, None]
     force = k * d
     force[:, 1:] += c * d[:, :-1]
-    for pair, bar in zip(pairs, bars, strict=True):
+    for pair, bar in zip(chassis.pairs, chassis.bars, strict=True):
         across = bar * (d[pair[0]] - d[pair[1]])
         force[pair[0]] += across
         force[pair[1]] -= across
@@ -161,7 +153,7 @@ def signals(
     loads[:, 2:] = d[:, :-2]
     for b in range(B):
         for i in range(S):
-            accelerations[b] += (mobility[b] * arms[b, i]) * force[i]
+            accelerations[b] += (chassis.mobility[b] * arms[b, i]) * force[i]
         loads += arms[b][:, None] * accelerations[b]
     loads *= m
     loads += force
@@ -181,19 +173,20 @@ def powers(p: Array, D: Array) -> Array:
     return out
 
 
+def squared(p: Array, D: Array, times: int) -> Array:
+    """`powers` of p squared so many times."""
+    out = powers(p, D)
+    for _ in range(times):
+        out = powers((out[0][:, None] * out).sum(axis=0), D)
+    return out
+
+
 def moved(D: Array, tau: Array, squarings: int, kernels: Any) -> Array:
     """``s^k e^(s tau) mod s^2 D``: what X and its derivatives will be, from what they are, (n + 2, n + 2, N)."""
     drifting = np.zeros((len(D) + 2, D.shape[1]))
     drifting[2:] = D
-    out = kernels.powers(polynomials.delay_operator(drifting, tau / 2.0**squarings, 0), D)
-    for _ in range(squarings):
-        out = kernels.powers(kernels.combined(out[0], out), D)
-    return np.asarray(out)
-
-
-def combined(p: Array, rows: Array) -> Array:
-    """``sum_k p_k rows_k``."""
-    return np.asarray((p[:, None] * rows).sum(axis=0))
+    short = polynomials.delay_operator(drifting, tau / 2.0**squarings, 0)
+    return np.asarray(kernels.squared(short, D, squarings))
 
 
 def hankel(derivatives: Array, rows: int, columns: int) -> Array:
@@ -219,28 +212,39 @@ def products(rows: Array, V: Array, B: int, S: int) -> Array:
     return np.concatenate([body.reshape(len(rows), B * B), each, rates], axis=1)
 
 
-def across(
-    rows: Array, others: Array, derivatives: Array, step: Array, steps: int, gone: Array, B: int, S: int
+def together(
+    chassis: Chassis,
+    deflections: Array,
+    weights: Array,
+    derivatives: tuple[Array, Array, Array],
+    step: Array,
+    steps: int,
 ) -> Array:
-    """Second moments (B^2 + 3 S, N) of `signals` with others a delay before.
+    """Second moments (B^2 + 3 S, N) of `signals` of two ``weights`` (2, S), the second of which come a delay later.
 
-    R is a function of these ``derivatives`` at 0, carried by so many steps, and what ``gone`` holds after the delay.
+    R has the first of ``derivatives`` at 0. Over the delay it is a function of the second at 0, carried by so many
+    steps (none without a delay), and of the third after it.
     """
-    n, Z = rows.shape[1], by_design(others)
-    V = Z @ hankel(derivatives, n + 1, n).mT
+    moments, free, gone = derivatives
+    B, S, n = len(chassis.mobility), len(chassis.struts), deflections.shape[2] + 1
+    Z, H = by_design(signals(chassis, deflections, weights[0])), hankel(moments, n + 1, n).mT
+    out = products(Z, Z @ H, B, S)
     if steps > 0:
-        step = by_design(step).mT
+        Y, move = by_design(signals(chassis, deflections, weights[1])), by_design(step).mT
+        V = Y @ hankel(free, n + 1, n).mT
         for _ in range(steps):
-            V = V @ step
-        V = V + Z @ hankel(gone, n + 1, n).mT
-    return products(by_design(rows), V, B, S).T
+            V = V @ move
+        across = products(Z, V + Y @ hankel(gone, n + 1, n).mT, B, S)
+        out += products(Y, Y @ H, B, S) + across
+        out[:, B * B :] += across[:, B * B :]
+        out[:, : B * B] += across[:, : B * B].reshape(-1, B, B).mT.reshape(-1, B * B)
+    return out.T
 
 
 def excited(
     chassis: Chassis,
     linked: Linked,
-    now: Array,
-    later: Array,
+    weights: Array,
     steep: bool,
     road: Track,
     tau: Array,
@@ -250,29 +254,18 @@ def excited(
 ) -> Array:
     """Second moments of the body's accelerations, of deflections, loads and rates, (B^2 + 3 S, N), on one process.
 
-    They are nan where the wheels' heights warp the body without bound: together or, on a ``steep`` road, those of now.
+    Wheels see it by ``weights`` (2, S), at once and after the delay. The moments are nan where their heights warp the
+    body without bound: all together or, on a ``steep`` road, those at once.
     """
     D, N = linked.D, linked.D.shape[1]
-    n, B, S = len(D) - 1, len(chassis.mobility), len(chassis.struts)
+    n, none = len(D) - 1, np.zeros((0, N))
     real, real_both = polynomials.apart(D, road.real.alphas)
     swinging, swinging_both = polynomials.apart(D, road.swinging.alphas)
     road = Track(road.level, road.real._replace(alphas=real), road.swinging._replace(alphas=swinging))
-    moments, none = np.zeros((2 * n + 2, N)), np.zeros((0, N))
+    moments = np.zeros((2 * n + 2, N))
     moments[2:-1:2] = -kernels.start(D, road)
-
-    def driven(weights: Array) -> Array:
-        return np.asarray(kernels.signals(*chassis, linked.deflections, weights))
-
-    def together(rows: Array, others: Array, derivatives: Array, steps: int, gone: Array) -> Array:
-        return np.asarray(kernels.across(rows, others, derivatives, step, steps, gone, B, S))
-
-    def warped(rows: Array) -> Array:
-        return np.abs(rows[B : B + S, 0]).sum(axis=0)
-
-    first = driven(now)
-    out, warp = together(first, first, moments, 0, none), warped(first)
-    if later.any():
-        second = driven(later)
+    derivatives = moments, none, none
+    if weights[1].any():
         # The exponentials that colours leave in R cross the delay by themselves, without value and slope at 0.
         g, count = polynomials.fading(road.real, real_both, True), 2 * n + 2
         h = polynomials.fading(road.swinging, swinging_both, True)
@@ -280,10 +273,15 @@ def excited(
         free[-1] = -polynomials.applied(D[:-1], free[n + 1 : -1])
         gone = polynomials.faded(g, real * tau, real, True, count)
         gone += polynomials.faded(h, swinging * tau, swinging, True, count).real
-        cross = together(first, second, free, steps, gone)
-        out = out + together(second, second, moments, 0, none) + cross
-        out[: B * B] += cross[: B * B].reshape(B, B, N).swapaxes(0, 1).reshape(B * B, N)
-        out[B * B :] += cross[B * B :]
-        warp = warped(first + second) + steep * warp
-    size = np.abs(linked.deflections[:, :, 0]).sum(axis=0).T @ (np.abs(now) + np.abs(later))
+        derivatives = moments, free, gone
+    else:
+        steps = 0
+    at_rest = linked.deflections[:, :, 0]
+
+    def warped(weights: Array) -> Array:
+        return np.abs(np.einsum("ijn,j->in", at_rest, weights)).sum(axis=0)
+
+    warp = warped(weights.sum(axis=0)) + steep * warped(weights[0])
+    size = np.abs(at_rest).sum(axis=0).T @ np.abs(weights).sum(axis=0)
+    out = kernels.together(chassis, linked.deflections, weights, derivatives, step, steps)
     return np.where(warp > BALANCED * size, np.nan, out)

@@ -29,10 +29,9 @@ ZERO, CANCELLED = 1e-24, 1e-17
 
 
 class Stirred(NamedTuple):
-    """One process: how much of it each strut's wheel sees at once and later (S,), whether it is `steep`, its spectrum."""
+    """One process: how much of it each wheel sees, at once and later (2, S), whether it is `steep`, and its spectrum."""
 
-    now: Array
-    later: Array
+    weights: Array
     steep: bool
     road: Track
 
@@ -53,7 +52,7 @@ class Problem(NamedTuple):
         """Variance (N,) of every output, by the kernels of `struts` or `struts_numba`."""
         chassis, (steps, halvings) = self.chassis, walk
         S, B = len(chassis.struts), len(chassis.mobility)
-        linked = struts.linked(chassis, kernels)
+        linked = kernels.linked(chassis)
         step = np.empty((0, 0, 0))
         if steps > 0:
             step = struts.moved(linked.D, self.tau / steps, halvings, kernels)
@@ -61,7 +60,7 @@ class Problem(NamedTuple):
             struts.excited(chassis, linked, *process, self.tau, step, steps, kernels) for process in self.excited
         )
         body, (deflections, loads, rates) = total[: B * B].reshape(B, B, -1), total[B * B :].reshape(3, S, -1)
-        driven = np.any([(now != 0.0) | (later != 0.0) for now, later, *_ in self.excited], axis=0)
+        driven = np.any([process.weights for process in self.excited], axis=(0, 1))
         loads[(chassis.struts[:, 4] > 0.0) & driven[:, None]] = np.inf
         largest = self._largest(deflections, rates)
         out = {name: self._acceleration(share, body, largest) for name, share in self.points.items()}
@@ -121,7 +120,7 @@ def problem(whole: OnStruts, vehicle: Vehicle, road: Road, N: int) -> Problem:
 
     def stirred(process: Process) -> Stirred:
         spectrum = colours(road, process.share, process.sign, width)
-        return Stirred(process.now, process.later, steep(process, road), as_track(spectrum))
+        return Stirred(np.stack([process.now, process.later]), steep(process, road), as_track(spectrum))
 
     return Problem(
         places=tuple(name for (name,) in corners),
@@ -150,7 +149,7 @@ def whole_variances(
     damped tyres pass on a velocity of finite variance, and each one that may keep fewer than six digits here.
     """
     outputs, one = vehicle.layout().outputs, problem(whole, vehicle, road, N)
-    compliance, delayed = one.compliance(), any(process.later.any() for process in one.excited)
+    compliance, delayed = one.compliance(), any(process.weights[1].any() for process in one.excited)
     with np.errstate(all="ignore"):
         walk = digits.walk(one.stiffened(), compliance, one.tau, REACH) if delayed else (0, 0)
         if walk[0] > digits.LONGEST_WALK:
