@@ -83,11 +83,10 @@ METRICS = _table(
         statistic="mean",
         known=(1e-4, 1e5),
     ),
+    Quantity("tyre_deflection", "m", "tyre deflection", "", ">= 0", "mm", "corner", known=(1e-7, 0.3)),
+    Quantity("sws_rate", "m/s", "suspension velocity", "", ">= 0", dim="corner", known=(1e-5, 50.0)),
 )
 """Variables of `susp_ss.ride_metrics`, in their order."""
-
-SIGNALS = METRICS | _table(Quantity("dsws", "m/s", "suspension velocity", dim="corner"))
-"""Outputs of models, whether a metric is made of each or not."""
 
 KNOWN = PARAMETERS | ROAD | METRICS
 

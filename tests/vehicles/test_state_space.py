@@ -50,7 +50,7 @@ def test_poles(vehicle):
 
 @pytest.mark.parametrize("vehicle", VEHICLES.values(), ids=VEHICLES.keys())
 def test_an_actuator_that_acts_as_a_damper_is_one(vehicle):
-    # Closing u = g dsws adds g to every damping rate, whatever the output.
+    # Closing u = g sws_rate adds g to every damping rate, whatever the output.
     import dataclasses
 
     gain = 250.0
@@ -122,7 +122,7 @@ def test_actuators_push_wheel_and_body_apart(name, form):
     vehicle = VEHICLES[name]
     system = vehicle.state_space(input=form, actuators=True)
     forces = [label for label in system.input_labels if label.startswith("u")]
-    rates = [label for label in system.output_labels if label.startswith("dsws")]
+    rates = [label for label in system.output_labels if label.startswith("sws_rate")]
     assert len(forces) == len(rates) == len(vehicle.wheels)
     oracle = models.oracle(vehicle)
     w = 2 * np.pi * 3.0
@@ -135,7 +135,7 @@ def test_actuators_push_wheel_and_body_apart(name, form):
             y = oracle.outputs[output]
             expected = y.q @ q + 1j * w * (y.v @ q) - w**2 * (y.a @ q)
             np.testing.assert_allclose(complex(system[output, force](1j * w)), expected, rtol=1e-9)
-        rate = f"dsws_{wheel}" if wheel else "dsws"
+        rate = f"sws_rate_{wheel}" if wheel else "sws_rate"
         np.testing.assert_allclose(complex(system[rate, force](1j * w)), 1j * w * (along @ q), rtol=1e-9)
 
 

@@ -51,7 +51,7 @@ def template(layout: Layout, method: str) -> xr.Dataset:
 
 def _labelled(layout: Layout, space: DesignSpace, damping: Array, variances: Array, errors: Array | None) -> xr.Dataset:
     """Root mean squares and damper powers of variances (designs, outputs), which they replace."""
-    rates = layout.outputs.of("dsws")
+    rates = layout.outputs.of("sws_rate")
     power = damping * variances[:, rates]
     roots = np.sqrt(variances, out=variances)
     metrics = labelled_outputs(layout, roots, power, space, long_name="{statistic} {meaning}")

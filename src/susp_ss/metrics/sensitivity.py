@@ -82,7 +82,7 @@ def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks",
     for name in ("parameter", "unit"):
         if name in space.coords or name in space.dims:
             raise ValueError(f"{type(vehicle).__name__} has a dim or coordinate named {name!r}, which results use")
-    rates = vehicle.layout().outputs.of("dsws")
+    rates = vehicle.layout().outputs.of("sws_rate")
     variances = covariance_variances(flat, space, ground)
 
     rms, power = [], []

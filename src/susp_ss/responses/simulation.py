@@ -73,7 +73,7 @@ def simulate(vehicle: Vehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
     t = _checked_time(time)
     z = _checked_profile(profile, tuple(vehicle.wheels), len(t))
     y = _outputs(model, z, t)
-    power = model.damping[:, None] * y[model.layout.outputs.of("dsws")] ** 2
+    power = model.damping[:, None] * y[model.layout.outputs.of("sws_rate")] ** 2
     history = labelled_outputs(model.layout, y[None], power[None], vehicle.design_space(), ("time",), {"time": t})
     history.time.attrs["units"] = "s"
     return history

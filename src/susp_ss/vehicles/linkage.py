@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..quantities import SIGNALS, Quantity
+from ..quantities import METRICS, Quantity
 from .second_order import Array, Layout, Outputs, Row, SecondOrder, coefficients
 
 
@@ -143,9 +143,9 @@ class Linkage:
     @cached_property
     def outputs(self) -> list[Output]:
         """The output table: what every vehicle has, and more."""
-        bacc, sws, dtl, dsws = (SIGNALS[name] for name in ("bacc", "sws", "dtl", "dsws"))
+        bacc, sws, dtl, rate = (METRICS[name] for name in ("bacc", "sws", "dtl", "sws_rate"))
         first, *others = (Output(bacc, place, acceleration=motion) for place, motion in self.points.items())
-        rotations = (Output(SIGNALS[name], acceleration=motion) for name, motion in self.rotations.items())
+        rotations = (Output(METRICS[name], acceleration=motion) for name, motion in self.rotations.items())
         corners = self.corners.items()
         return [
             first,
@@ -154,7 +154,12 @@ class Linkage:
             *(Output(sws, name, elongation={corner.suspension: 1.0}) for name, corner in corners),
             *(Output(dtl, name, elongation=_stiff(corner.tyre), rate=_damped(corner.tyre)) for name, corner in corners),
             *self.more,
-            *(Output(dsws, name, rate={corner.suspension: 1.0}, public=False) for name, corner in corners),
+            *(Output(rate, name, rate={corner.suspension: 1.0}, public=False) for name, corner in corners),
+            *(
+                Output(METRICS["tyre_deflection"], name, elongation={corner.tyre: 1.0}, public=False)
+                for name, corner in corners
+                if corner.wheel is not None
+            ),
         ]
 
     @cached_property

@@ -34,7 +34,7 @@ CARRIED = 1e-7
 
 
 class Row(NamedTuple):
-    """One row of the output table; what is not public serves other outputs."""
+    """One row of the output table; what is not public is no output of a plain state space."""
 
     quantity: Quantity
     place: str
@@ -61,8 +61,8 @@ class Outputs:
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """Public quantities by name, in the order of their first rows."""
-        return {row.quantity.name: row.quantity for row in self.rows[self.public]}
+        """Quantities by name, in the order of their first rows."""
+        return {row.quantity.name: row.quantity for row in self.rows}
 
     def __len__(self) -> int:
         return len(self.rows)

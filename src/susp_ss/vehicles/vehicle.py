@@ -241,7 +241,7 @@ class Vehicle:
             integrator that no actuator reaches: leave it out (it is the last state) for H2 norms and LQR.
         actuators : bool
             Add force inputs ``u...`` (N) between wheel and body, positive pushing the body up, and the suspension
-            velocities ``dsws...`` (m/s) as outputs.
+            velocities ``sws_rate...`` (m/s) as outputs.
 
         Returns
         -------

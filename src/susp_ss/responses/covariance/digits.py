@@ -78,6 +78,6 @@ def track_in_other_units(road: Track) -> Track:
 
 def disagreement(variances: Array, other: Array, outputs: Outputs) -> NDArray[np.bool_]:
     """Designs (N,) of which some variance (outputs, N) is not the same in other units."""
-    units = {"sws": 1.0, "dtl": MASS**2 * TIME**-4.0, "dsws": TIME**-2.0}
+    units = {"sws": 1.0, "tyre_deflection": 1.0, "dtl": MASS**2 * TIME**-4.0, "sws_rate": TIME**-2.0}
     same = other / np.array([units.get(row.quantity.name, TIME**-4.0) for row in outputs.rows])[:, None]
     return np.logical_or.reduce((variances != same) & ~(np.abs(variances - same) < AGREED * variances))

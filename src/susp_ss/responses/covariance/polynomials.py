@@ -84,10 +84,27 @@ class OneStrut(NamedTuple):
     deflection: Any
     rate: Any
     load: Any
+    tyre: Any
 
 
 class TwoStruts(NamedTuple):
     """Variances that `two_struts` returns as rows; ``force_12`` is the covariance of both forces."""
+
+    force_1: Any
+    force_2: Any
+    force_12: Any
+    deflection_1: Any
+    deflection_2: Any
+    rate_1: Any
+    rate_2: Any
+    load_1: Any
+    load_2: Any
+    tyre_1: Any
+    tyre_2: Any
+
+
+class StrutMoments(NamedTuple):
+    """Of `TwoStruts`, what follows from the deflections' autocorrelations alone."""
 
     force_1: Any
     force_2: Any
@@ -335,7 +352,7 @@ def carried(A: Array, now: Array, exponentials: Array, later_exponentials: Array
 
 
 def one_strut(strut: Array, compliance: Array, road: Track) -> Array:
-    """Variances (4, N) of `OneStrut`, where one strut alone carries the body.
+    """Variances (5, N) of `OneStrut`, where one strut alone carries the body.
 
     Parameters
     ----------
@@ -353,14 +370,16 @@ def one_strut(strut: Array, compliance: Array, road: Track) -> Array:
     d, rate, jerk = applied(P, now), -applied(P, now[1:]), applied(P, now[2:])
     F = k**2 * d + c**2 * rate
     own = 1.0 + m * compliance
-    out = np.zeros((4, strut.shape[1]))
+    out = np.zeros((5, strut.shape[1]))
     out[0], out[1], out[2] = F, d, rate
     out[3] = own**2 * F - 2.0 * own * m * k * rate + m**2 * jerk
+    # The tyre is deflected by (m s w + F) / E, of which the numerator holds E as a factor.
+    out[4] = applied(scaled(modulus(plus(scaled(kappa, own), strut[:1], 2)), monic**2), now)
     return out
 
 
 def two_struts(struts: Array, body: Body, road: Track, delay: Delay, damped: bool) -> Array:
-    """Variances (9, N) of `TwoStruts`, where the second strut meets the road a delay after the first.
+    """Variances (11, N) of `TwoStruts`, where the second strut meets the road a delay after the first.
 
     Parameters
     ----------
@@ -403,9 +422,17 @@ def two_struts(struts: Array, body: Body, road: Track, delay: Delay, damped: boo
     T1, T2, across = scaled(T1, monic), scaled(T2, monic), -u12
     a1, b1 = product(T1, Q2), scaled(product(T2, product(E1, kappa2)), across)
     a2, b2 = product(T2, Q1), scaled(product(T1, product(E2, kappa1)), across)
-    own1, own2, cross = np.zeros((3, N)), np.zeros((3, N)), np.zeros((4, N))
+    own1, own2, cross, tyres = np.zeros((3, N)), np.zeros((3, N)), np.zeros((4, N)), np.zeros((2, N))
+    t1, t2, through1, through2 = a1, a2, b1, b2
+    if damped:
+        # Those of (m s w + F) / E, of which E is a factor.
+        kappas = scaled(product(kappa1, kappa2), across)
+        t1 = tyre_numerator(struts[0], Q2, u11, scaled(product(kappas, E2), across), monic)
+        t2 = tyre_numerator(struts[1], Q1, u22, scaled(product(kappas, E1), across), monic)
+        through1, through2 = product(kappas, T2), product(kappas, T1)
     if delay.steps == 0:
         a1, a2 = plus(a1, b1), plus(a2, b2)
+        t1, t2 = plus(t1, through1), plus(t2, through2)
         P1, P2, P12 = modulus(a1), modulus(a2), product(a1, reflected(a2))
     else:
         P1, P2 = plus(modulus(a1), modulus(b1)), plus(modulus(a2), modulus(b2))
@@ -414,6 +441,11 @@ def two_struts(struts: Array, body: Body, road: Track, delay: Delay, damped: boo
         own1[k], own2[k] = applied(P1, zero[k:]), applied(P2, zero[k:])
     for k in range(4):
         cross[k] = applied(every_other(P12, k % 2), zero[(k + 1) // 2 :])
+    if damped:
+        tyres[0], tyres[1] = applied(modulus(t1), zero), applied(modulus(t2), zero)
+    if damped and delay.steps > 0:
+        tyres[0] += applied(modulus(through1), zero)
+        tyres[1] += applied(modulus(through2), zero)
     if delay.steps > 0:
         A = plus(np.zeros((1, N)), D, 2) if rolls else D
         g, h = fading(real_colours, real_both, rolls), fading(swinging_colours, swinging_both, rolls)
@@ -428,7 +460,22 @@ def two_struts(struts: Array, body: Body, road: Track, delay: Delay, damped: boo
             own2[k] += 2.0 * applied(P2, later[2 * k :])
         for k in range(4):
             cross[k] += applied(ahead, later[k:]) + (-1.0) ** k * applied(behind, later[k:])
-    return read_off(struts, compliance, own1, own2, cross)
+        if damped:
+            tyres[0] += 2.0 * applied(product(t1, reflected(through1)), later)
+            tyres[1] += 2.0 * applied(product(through2, reflected(t2)), later)
+    out = np.zeros((11, N))
+    out[:9] = read_off(struts, compliance, own1, own2, cross)
+    for i in range(2):
+        # Without damping the tyre's force tells its deflection.
+        out[9 + i] = tyres[i] if damped else out[7 + i] / struts[i, 3] ** 2
+    return out
+
+
+def tyre_numerator(strut: Array, Q: Array, u: Array, coupled: Array, monic: Array) -> Array:
+    """``Q (m s^2 + kappa (1 + m u)) - m coupled`` over the leading coefficient of D, Q being the other strut's."""
+    mass = strut[:1]
+    own = product(Q, plus(scaled(strut[1:3], 1.0 + strut[0] * u), mass, 2))
+    return scaled(plus(own, scaled(coupled, -strut[0])), monic)
 
 
 def read_off(struts: Array, compliance: Array, own1: Array, own2: Array, cross: Array) -> Array:
@@ -438,7 +485,7 @@ def read_off(struts: Array, compliance: Array, own1: Array, own2: Array, cross: 
     return np.stack(combined(one, other, joint, Even(*own1), Even(*own2), Cross(*cross)))
 
 
-def combined(one: Wheel, other: Wheel, joint: Joint, d1: Even, d2: Even, cross: Cross) -> TwoStruts:
+def combined(one: Wheel, other: Wheel, joint: Joint, d1: Even, d2: Even, cross: Cross) -> StrutMoments:
     """Strut forces, deflections, rates and tyre loads from those of the deflections, element by element."""
     rate1, rate2 = -d1.bend, -d2.bend
     m1, k1, c1 = one
@@ -452,7 +499,7 @@ def combined(one: Wheel, other: Wheel, joint: Joint, d1: Even, d2: Even, cross: 
     bend, third = cross.bend, cross.third
     load1 = own1 + 2.0 * (s1 * t1 * F12 - s1 * m1 * k1 * rate1 + t1 * m1 * (k2 * bend - c2 * third))
     load2 = own2 + 2.0 * (s2 * t2 * F12 - s2 * m2 * k2 * rate2 + t2 * m2 * (k1 * bend + c1 * third))
-    return TwoStruts(F1, F2, F12, d1.value, d2.value, rate1, rate2, load1, load2)
+    return StrutMoments(F1, F2, F12, d1.value, d2.value, rate1, rate2, load1, load2)
 
 
 def wheel(strut: Array) -> Array:

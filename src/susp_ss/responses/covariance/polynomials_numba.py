@@ -237,6 +237,7 @@ for function in (
     polynomials.faded,
     polynomials.carried,
     polynomials.wheel,
+    polynomials.tyre_numerator,
     polynomials.one_strut,
     polynomials.two_struts,
 ):
@@ -258,7 +259,7 @@ def part_of(road, N, end):
 def one_strut(strut, compliance, road):
     """`polynomials.one_strut`, some designs at a time."""
     designs = strut.shape[1]
-    out = np.empty((4, designs))
+    out = np.empty((5, designs))
     for N in range(0, designs, WIDTH):
         end = min(N + WIDTH, designs)
         here = part_of(road, N, end)
@@ -270,7 +271,7 @@ def one_strut(strut, compliance, road):
 def two_struts(struts, body, road, delay, damped):
     """`polynomials.two_struts`, some designs at a time."""
     designs = struts.shape[2]
-    out = np.empty((9, designs))
+    out = np.empty((11, designs))
     for N in range(0, designs, WIDTH):
         end = min(N + WIDTH, designs)
         joined = Body(body.compliance[:, :, N:end].copy(), body.rigidity[N:end].copy(), body.rolls)

@@ -2,16 +2,17 @@
 
 - Designs that fall into halves (left and right alike, struts on a rigid body) go by polynomials (`symmetric`), a block
   of them at a time: a microsecond or two each.
-- The rest, and those that would lose digits there, take the Lyapunov equation of their matrices: in batches
-  (`matrices`), some hundred microseconds each, or once they are very many design by design in compiled code on every
-  processor (`matrices_numba`), some tens of microseconds; without a compiler in batches, too.
+- Other struts on a rigid body, four unequal corners with their bars, go by polynomials of a higher degree (`whole`):
+  some thirty microseconds each, a third of that once they are many enough to be worth compiling.
+- The rest, and those that would lose digits there, take the Lyapunov equation of their matrices in batches (`matrices`):
+  some hundred microseconds each.
 
-What a way needs is stated by the vehicle (`Vehicle.halves`) or by its matrices; what lacks it takes the next. The
-choice shows in nothing but time. Against 80-bit arithmetic, over a thousand random full cars each on isotropic tracks,
-polynomials err by at most 3e-13 with parameters within a factor 2 of a car's, 2e-10 over two decades of every mass and
-stiffness, 2e-8 over three (99 % below 1e-9), and 3e-9 with damping down to a millionth. Designs beyond the bounds of
-`symmetric` are computed in two systems of units; those that differ go to matrices, which measure their own error, and
-what keeps fewer than six digits there is refused.
+What a way needs is stated by the vehicle (`Vehicle.halves`, `Vehicle.whole`) or by its matrices; what lacks it takes the
+next. The choice shows in nothing but time. Against 80-bit arithmetic, over a thousand random full cars each on isotropic
+tracks, polynomials err by at most 3e-13 with parameters within a factor 2 of a car's, 2e-10 over two decades of every
+mass and stiffness, 2e-8 over three (99 % below 1e-9), and 3e-9 with damping down to a millionth. Designs beyond the
+bounds of `digits` are computed in two systems of units; those that differ go to matrices, which measure their own error,
+and what keeps fewer than six digits there is refused.
 """
 
 from __future__ import annotations
@@ -40,9 +41,9 @@ LOST, SOUND = 1e-6, 1e-12
 
 # Designs of one block: its polynomials then stay near the processor. Compiled code keeps them there by itself.
 BLOCK, LONG_BLOCK = 2048, 8192
-STRUTS_BLOCK, LONG_STRUTS_BLOCK = 1000, 2048
+STRUTS_BLOCK, LONG_STRUTS_BLOCK = 1000, 2000
 
-# Symmetric designs, and designs by matrices, from which loading the compiler (a second; at first use on a machine ten
+# Symmetric designs, and other struts on a body, from which loading the compiler (a second; at first use on a machine ten
 # to thirty) is repaid.
 PLENTY, MANY = 1_000_000, 50_000
 

@@ -47,10 +47,10 @@ class Chassis(NamedTuple):
 
 
 class Linked(NamedTuple):
-    """Monic D (n + 1, N), and the deflection of each strut by the road of each, times ``s D`` (S, S, L, N)."""
+    """Monic D (n + 1, N), and `signals` of the road of each strut alone, (S, B + 2 S, n + 1, N)."""
 
     D: Array
-    deflections: Array
+    signals: Array
 
 
 @cache
@@ -105,7 +105,7 @@ def matrix(chassis: Chassis) -> Array:
 
 
 def linked(chassis: Chassis) -> Linked:
-    """The determinant, and the adjugate times the tyres, by minors from the last row up."""
+    """The determinant and the adjugate, by minors from the last row up, and what the road of each strut stirs."""
     M, S, B, N = matrix(chassis), len(chassis.struts), len(chassis.mobility), chassis.struts.shape[2]
     tables = expansions(S)
 
@@ -117,47 +117,51 @@ def linked(chassis: Chassis) -> Linked:
         below.append(with_row(S - 1 - k, below[k], k))
     D = with_row(0, below[S - 1], S - 1)[0]
     monic = 1.0 / D[-1]
-    deflections = np.zeros((S, S, len(D) - 1, N))
+    adjugate, shift = np.zeros((S, S, len(D), N)), 2 if S == B else 0
     for i in range(S):
         minors = below[S - 1 - i]
         for k in range(S - 1 - i, S - 1):
             minors = with_row(S - 2 - k, minors, k)
         # Minors that lack the last column come first.
-        column = minors[::-1] * (monic * (-1.0) ** np.arange(i, i + S)[:, None])[:, None]
-        shift, length = 2 if S == B else 0, minors.shape[1]
-        for k in range(2):
-            deflections[:, i, shift + k : shift + k + length] += column * chassis.struts[i, 3 + k]
-    return Linked(D * monic, deflections)
+        signed = minors[::-1] * (monic * (-1.0) ** np.arange(i, i + S)[:, None])[:, None]
+        adjugate[i, :, shift : shift + minors.shape[1]] = signed
+    return Linked(D * monic, stirred(chassis, adjugate))
 
 
-def signals(chassis: Chassis, deflections: Array, weights: Array) -> Array:
-    """Numerators over ``s D`` of what the road stirs, (B + 2 S, n + 1, N), where it moves at ``weights`` (S,) times u.
+def stirred(chassis: Chassis, adjugate: Array) -> Array:
+    """Numerators over ``s D`` by the road of each strut, (S, B + 2 S, n + 1, N), from each column of the adjugate.
 
-    Accelerations of the body's coordinates, then deflections and tyre loads of the struts.
+    Accelerations of the body's coordinates, then deflections of the struts and of the tyres. A wheel's equation of motion
+    gives its tyre's force; that of one tyre by the road of another has the factors ``T`` of both, which are left out by
+    reciprocity.
     """
-    struts, arms = chassis.struts, chassis.arms
-    S, B, (length, N) = len(struts), len(arms), deflections.shape[2:]
-    out = np.zeros((B + 2 * S, length + 1, N))
-    accelerations, d, loads = out[:B], out[B : B + S], out[B + S :]
-    for j in range(S):
-        if weights[j] != 0.0:
-            d[:, :-1] += weights[j] * deflections[:, j]
-    m, k, c = struts[:, 0, None], struts[:, 1, None], struts[:, 2, None]
-    force = k * d
-    force[:, 1:] += c * d[:, :-1]
-    for pair, bar in zip(chassis.pairs, chassis.bars, strict=True):
-        across = bar * (d[pair[0]] - d[pair[1]])
-        force[pair[0]] += across
-        force[pair[1]] -= across
+    S, B = len(chassis.struts), len(chassis.mobility)
+    m, k, c, kt, ct = (chassis.struts[:, i, None] for i in range(5))
+    out = np.zeros((S, B + 2 * S, *adjugate.shape[2:]))
+    force = k * adjugate
+    force[:, :, 1:] += c * adjugate[:, :, :-1]
+    for (one, other), bar in zip(chassis.pairs, chassis.bars, strict=True):
+        across = bar * (adjugate[:, one] - adjugate[:, other])
+        force[:, one] += across
+        force[:, other] -= across
     # The wheel accelerates with the body point above it, and along the deflection.
-    loads[:, 2:] = d[:, :-2]
+    tyres = np.zeros_like(adjugate)
+    tyres[:, :, 2:] = adjugate[:, :, :-2]
+    out[:, B : B + S] = adjugate
     for b in range(B):
         for i in range(S):
-            accelerations[b] += (chassis.mobility[b] * arms[b, i]) * force[i]
-        loads += arms[b][:, None] * accelerations[b]
-    loads *= m
-    loads += force
+            out[:, b] += (chassis.mobility[b] * chassis.arms[b, i]) * force[:, i]
+        tyres += chassis.arms[b][:, None] * out[:, b, None]
+    out[:, B + S :] = (force + m * tyres).swapaxes(0, 1)
+    rest = out[:, : B + S]
+    rest[:, :, 1:] = kt[:, None] * rest[:, :, 1:] + ct[:, None] * rest[:, :, :-1]
+    rest[:, :, 0] *= kt
     return out
+
+
+def signals(linked: Linked, weights: Array) -> Array:
+    """Those of `stirred` where the road under each strut moves at ``weights`` (S,) times u, (B + 2 S, n + 1, N)."""
+    return np.asarray(np.tensordot(weights, linked.signals, axes=1))
 
 
 def powers(p: Array, D: Array) -> Array:
@@ -203,7 +207,7 @@ def by_design(rows: Array) -> Array:
 def products(rows: Array, V: Array, B: int, S: int) -> Array:
     """Second moments (N, B^2 + 3 S) of signals (N, B + 2 S, n + 1) with others of covariances V with X's derivatives.
 
-    V is (N, B + 2 S, n + 2). Each of the body's coordinates with each, then each deflection, load and rate with itself.
+    V is (N, B + 2 S, n + 2). Each of the body's coordinates with each, then each deflection, tyre and rate with itself.
     """
     n, d = rows.shape[2], slice(B, B + S)
     body = rows[:, :B] @ V[:, :B, :n].mT
@@ -213,9 +217,9 @@ def products(rows: Array, V: Array, B: int, S: int) -> Array:
 
 
 def together(
-    chassis: Chassis,
-    deflections: Array,
+    linked: Linked,
     weights: Array,
+    B: int,
     derivatives: tuple[Array, Array, Array],
     step: Array,
     steps: int,
@@ -226,11 +230,11 @@ def together(
     steps (none without a delay), and of the third after it.
     """
     moments, free, gone = derivatives
-    B, S, n = len(chassis.mobility), len(chassis.struts), deflections.shape[2] + 1
-    Z, H = by_design(signals(chassis, deflections, weights[0])), hankel(moments, n + 1, n).mT
+    S, n = len(linked.signals), len(linked.D)
+    Z, H = by_design(signals(linked, weights[0])), hankel(moments, n + 1, n).mT
     out = products(Z, Z @ H, B, S)
     if steps > 0:
-        Y, move = by_design(signals(chassis, deflections, weights[1])), by_design(step).mT
+        Y, move = by_design(signals(linked, weights[1])), by_design(step).mT
         V = Y @ hankel(free, n + 1, n).mT
         for _ in range(steps):
             V = V @ move
@@ -242,8 +246,8 @@ def together(
 
 
 def excited(
-    chassis: Chassis,
     linked: Linked,
+    B: int,
     weights: Array,
     steep: bool,
     road: Track,
@@ -252,7 +256,7 @@ def excited(
     steps: int,
     kernels: Any,
 ) -> Array:
-    """Second moments of the body's accelerations, of deflections, loads and rates, (B^2 + 3 S, N), on one process.
+    """Second moments of the body's B accelerations, of deflections, tyres and rates, (B^2 + 3 S, N), on one process.
 
     Wheels see it by ``weights`` (2, S), at once and after the delay. The moments are nan where their heights warp the
     body without bound: all together or, on a ``steep`` road, those at once.
@@ -276,12 +280,12 @@ def excited(
         derivatives = moments, free, gone
     else:
         steps = 0
-    at_rest = linked.deflections[:, :, 0]
+    at_rest = linked.signals[:, B : -len(linked.signals), 0]
 
     def warped(weights: Array) -> Array:
-        return np.abs(np.einsum("ijn,j->in", at_rest, weights)).sum(axis=0)
+        return np.abs(np.einsum("jin,j->in", at_rest, weights)).sum(axis=0)
 
     warp = warped(weights.sum(axis=0)) + steep * warped(weights[0])
-    size = np.abs(at_rest).sum(axis=0).T @ np.abs(weights).sum(axis=0)
-    out = kernels.together(chassis, linked.deflections, weights, derivatives, step, steps)
+    size = np.einsum("jin,j->n", np.abs(at_rest), np.abs(weights).sum(axis=0))
+    out = kernels.together(linked, weights, B, derivatives, step, steps)
     return np.where(warp > BALANCED * size, np.nan, out)

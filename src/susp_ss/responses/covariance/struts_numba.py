@@ -25,34 +25,82 @@ def linked(chassis):
 
 @compiled(**OPTIONS)
 def by_minors(struts, pairs, bars, mobility, arms, tables):
-    """D and the deflections of `linked`, some designs at a time."""
+    """D and the signals of `linked`, some designs at a time."""
     S, B, designs = len(struts), len(mobility), struts.shape[2]
     degree, shift = 2 * (S + B), 2 if S == B else 0
-    D, deflections = np.empty((degree + 1, designs)), np.zeros((S, S, degree, designs))
+    D, signals = np.empty((degree + 1, designs)), np.empty((S, B + 2 * S, degree + 1, designs))
+    adjugate, rows = np.zeros((S, S, degree + 1, WIDTH)), np.empty((S, B + 2 * S, degree + 1, WIDTH))
+    M, force = np.empty((S, S, 5, WIDTH)), np.empty((S, degree + 1, WIDTH))
     for first in range(0, designs, WIDTH):
         here = min(WIDTH, designs - first)
-        M = np.zeros((S, S, 5, WIDTH))
+        M[:] = 0.0
         matrix(M, struts, pairs, bars, mobility, arms, first, here)
         below = [np.ones((1, 1, WIDTH))]
         for k in range(S - 1):
             below.append(expanded(M[S - 1 - k], below[k], tables[k], 2 if k + 1 > B else 0))
         determinant = expanded(M[0], below[S - 1], tables[S - 1], 2 if S > B else 0)[0]
-        for k in range(degree + 1):
-            for N in range(here):
-                D[k, first + N] = determinant[k, N] / determinant[degree, N]
+        monic = 1.0 / determinant[degree]
+        D[:, first : first + here] = (determinant * monic)[:, :here]
         for i in range(S):
             minors = below[S - 1 - i]
             for k in range(S - 1 - i, S - 1):
                 minors = expanded(M[S - 2 - k], minors, tables[k], 2 if k + 1 > B else 0)
             for j in range(S):
                 sign = 1.0 - 2.0 * ((i + j) % 2)
-                for order in range(2):
-                    for k in range(minors.shape[1]):
-                        for N in range(here):
-                            deflections[j, i, shift + order + k, first + N] += (
-                                sign * struts[i, 3 + order, first + N] / determinant[degree, N] * minors[S - 1 - j, k, N]
-                            )
-    return D, deflections
+                for k in range(minors.shape[1]):
+                    for N in range(WIDTH):
+                        adjugate[i, j, shift + k, N] = sign * monic[N] * minors[S - 1 - j, k, N]
+        stir(struts, pairs, bars, mobility, arms, adjugate, force, first, here, rows)
+        signals[:, :, :, first : first + here] = rows[:, :, :, :here]
+    return D, signals
+
+
+@compiled(**OPTIONS)
+def stir(struts, pairs, bars, mobility, arms, adjugate, force, first, here, out):
+    """`struts.stirred` of some designs."""
+    S, B, length = len(struts), len(mobility), adjugate.shape[2]
+    out[:] = 0.0
+    for column in range(S):
+        d = adjugate[column]
+        for i in range(S):
+            for k in range(length):
+                for N in range(here):
+                    force[i, k, N] = struts[i, 1, first + N] * d[i, k, N]
+            for k in range(1, length):
+                for N in range(here):
+                    force[i, k, N] += struts[i, 2, first + N] * d[i, k - 1, N]
+        for m in range(len(pairs)):
+            i, j = pairs[m]
+            for k in range(length):
+                for N in range(here):
+                    across = bars[m, first + N] * (d[i, k, N] - d[j, k, N])
+                    force[i, k, N] += across
+                    force[j, k, N] -= across
+        for b in range(B):
+            for i in range(S):
+                for k in range(length):
+                    for N in range(here):
+                        out[column, b, k, N] += arms[b, i, first + N] * force[i, k, N]
+            for k in range(length):
+                for N in range(here):
+                    out[column, b, k, N] *= mobility[b, first + N]
+        for i in range(S):
+            tyre = out[i, B + S + column]
+            tyre[2:] = d[i, : length - 2]
+            for k in range(length):
+                for b in range(B):
+                    for N in range(here):
+                        tyre[k, N] += arms[b, i, first + N] * out[column, b, k, N]
+                for N in range(here):
+                    tyre[k, N] = struts[i, 0, first + N] * tyre[k, N] + force[i, k, N]
+        out[column, B : B + S] = d
+        for row in range(B + S):
+            for k in range(length - 1, -1, -1):
+                for N in range(here):
+                    out[column, row, k, N] *= struts[column, 3, first + N]
+                if k > 0:
+                    for N in range(here):
+                        out[column, row, k, N] += struts[column, 4, first + N] * out[column, row, k - 1, N]
 
 
 @compiled(**OPTIONS)
@@ -109,47 +157,6 @@ def expanded(row, minors, table, zeros):
 
 
 @compiled(**OPTIONS)
-def signals(struts, pairs, bars, mobility, arms, deflections, weights, first, here, out, force):
-    """`struts.signals` of some designs, out of which ``force`` is left over."""
-    S, B, length = len(struts), len(mobility), deflections.shape[2]
-    out[:], force[:] = 0.0, 0.0
-    accelerations, d, loads = out[:B], out[B : B + S], out[B + S :]
-    for i in range(S):
-        for j in range(S):
-            if weights[j] != 0.0:
-                for k in range(length):
-                    for N in range(here):
-                        d[i, k, N] += weights[j] * deflections[i, j, k, first + N]
-        for k in range(length):
-            for N in range(here):
-                force[i, k, N] += struts[i, 1, first + N] * d[i, k, N]
-                force[i, k + 1, N] = struts[i, 2, first + N] * d[i, k, N]
-    for m in range(len(pairs)):
-        i, j = pairs[m]
-        for k in range(length):
-            for N in range(here):
-                across = bars[m, first + N] * (d[i, k, N] - d[j, k, N])
-                force[i, k, N] += across
-                force[j, k, N] -= across
-    for b in range(B):
-        for i in range(S):
-            for k in range(length + 1):
-                for N in range(here):
-                    accelerations[b, k, N] += arms[b, i, first + N] * force[i, k, N]
-        for k in range(length + 1):
-            for N in range(here):
-                accelerations[b, k, N] *= mobility[b, first + N]
-    for i in range(S):
-        loads[i, 2:] = d[i, : length - 1]
-        for k in range(length + 1):
-            for b in range(B):
-                for N in range(here):
-                    loads[i, k, N] += arms[b, i, first + N] * accelerations[b, k, N]
-            for N in range(here):
-                loads[i, k, N] = struts[i, 0, first + N] * loads[i, k, N] + force[i, k, N]
-
-
-@compiled(**OPTIONS)
 def squared(p, D, times):
     """`struts.squared`, some designs at a time."""
     size, designs = p.shape
@@ -175,27 +182,24 @@ def squared(p, D, times):
     return out
 
 
-def together(chassis, deflections, weights, derivatives, step, steps):
+def together(linked, weights, B, derivatives, step, steps):
     """`struts.together`."""
-    return by_products(*chassis, deflections, weights, *derivatives, step, steps)
+    return by_products(linked.signals, weights, B, *derivatives, step, steps)
 
 
 @compiled(**OPTIONS)
-def by_products(struts, pairs, bars, mobility, arms, deflections, weights, moments, free, gone, step, steps):
+def by_products(signals, weights, B, moments, free, gone, step, steps):
     """`struts.together`, a design at a time in products of small matrices."""
-    S, B, (length, designs) = len(struts), len(mobility), deflections.shape[2:]
-    count, size = B + 2 * S, length + 2
-    rows, force = np.empty((count, size - 1, WIDTH)), np.empty((S, size - 1, WIDTH))
-    Z, Y = np.empty((WIDTH, count, size - 1)), np.empty((WIDTH, count, size - 1))
-    H, move, V, W = np.empty((size - 1, size)), np.empty((size, size)), np.empty((count, size)), np.empty((count, size))
+    S, count, length, designs = signals.shape
+    size = length + 1
+    Z, Y = np.empty((WIDTH, count, length)), np.empty((WIDTH, count, length))
+    H, move, V, W = np.empty((length, size)), np.empty((size, size)), np.empty((count, size)), np.empty((count, size))
     out = np.zeros((B * B + 3 * S, designs))
     for first in range(0, designs, WIDTH):
         here = min(WIDTH, designs - first)
-        signals(struts, pairs, bars, mobility, arms, deflections, weights[0], first, here, rows, force)
-        turned(rows, Z)
+        weighted(signals, weights[0], first, here, Z)
         if steps > 0:
-            signals(struts, pairs, bars, mobility, arms, deflections, weights[1], first, here, rows, force)
-            turned(rows, Y)
+            weighted(signals, weights[1], first, here, Y)
         for N in range(here):
             sums = out[:, first + N]
             hankel(moments, first + N, H)
@@ -224,12 +228,15 @@ def by_products(struts, pairs, bars, mobility, arms, deflections, weights, momen
 
 
 @compiled(**OPTIONS)
-def turned(rows, out):
-    """The last axis in front."""
-    for i in range(rows.shape[0]):
-        for j in range(rows.shape[1]):
-            for N in range(rows.shape[2]):
-                out[N, i, j] = rows[i, j, N]
+def weighted(signals, weights, first, here, out):
+    """`struts.signals`, the designs in front."""
+    out[:] = 0.0
+    for j in range(len(weights)):
+        if weights[j] != 0.0:
+            for row in range(signals.shape[1]):
+                for k in range(signals.shape[2]):
+                    for N in range(here):
+                        out[N, row, k] += weights[j] * signals[j, row, k, first + N]
 
 
 @compiled(**OPTIONS)

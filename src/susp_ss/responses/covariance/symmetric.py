@@ -43,12 +43,13 @@ class Problem(NamedTuple):
         if len(self.struts) == 1:
             one = OneStrut._make(kernels.one_strut(self.struts[0], compliance[0, 0], self.road))
             forces, deflections, rates, loads = [[one.force]], [one.deflection], [one.rate], [one.load]
+            tyres = [one.tyre]
         else:
             damped = bool(self.struts[:, 4].any())
             two = TwoStruts._make(kernels.two_struts(self.struts, self.body, self.road, Delay(self.tau, *walk), damped))
             forces = [[two.force_1, two.force_12], [two.force_12, two.force_2]]
             deflections, rates = [two.deflection_1, two.deflection_2], [two.rate_1, two.rate_2]
-            loads = [two.load_1, two.load_2]
+            loads, tyres = [two.load_1, two.load_2], [two.tyre_1, two.tyre_2]
 
         def acceleration(per_force: Array) -> Array:
             terms = [u * v * forces[i][j] for i, u in enumerate(per_force) for j, v in enumerate(per_force)]
@@ -58,7 +59,8 @@ class Problem(NamedTuple):
         out = {name: acceleration(per_force) for name, per_force in self.accelerations.items()}
         for i, corners in enumerate(self.places):
             loads[i][self.struts[i, 4] > 0.0] = np.inf
-            values = {"bacc": acceleration(compliance[i]), "sws": deflections[i], "dtl": loads[i], "dsws": rates[i]}
+            values = {"bacc": acceleration(compliance[i]), "sws": deflections[i], "dtl": loads[i], "sws_rate": rates[i]}
+            values["tyre_deflection"] = tyres[i]
             out |= {signal(kind, corner): variance for corner in corners for kind, variance in values.items()}
         return out
 

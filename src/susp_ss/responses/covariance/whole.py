@@ -57,14 +57,17 @@ class Problem(NamedTuple):
         if steps > 0:
             step = struts.moved(linked.D, self.tau / steps, halvings, kernels)
         total = sum(
-            struts.excited(chassis, linked, *process, self.tau, step, steps, kernels) for process in self.excited
+            struts.excited(linked, B, *process, self.tau, step, steps, kernels) for process in self.excited
         )
-        body, (deflections, loads, rates) = total[: B * B].reshape(B, B, -1), total[B * B :].reshape(3, S, -1)
+        body, (deflections, tyres, rates) = total[: B * B].reshape(B, B, -1), total[B * B :].reshape(3, S, -1)
         driven = np.any([process.weights for process in self.excited], axis=(0, 1))
-        loads[(chassis.struts[:, 4] > 0.0) & driven[:, None]] = np.inf
+        # A damped tyre passes on white velocity; where its wheel sees none, its load is left to matrices.
+        damped = np.where(driven, np.inf, np.nan)[:, None]
+        loads = np.where(chassis.struts[:, 4] > 0.0, damped, chassis.struts[:, 3] ** 2 * tyres)
         largest = self._largest(deflections, rates)
         out = {name: self._acceleration(share, body, largest) for name, share in self.points.items()}
-        for name, values in {"sws": deflections, "dtl": loads, "dsws": rates}.items():
+        at_corners = {"sws": deflections, "dtl": loads, "sws_rate": rates, "tyre_deflection": tyres}
+        for name, values in at_corners.items():
             out |= {signal(name, corner): variance for corner, variance in zip(self.places, values, strict=True)}
         return out
 

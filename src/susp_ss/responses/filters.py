@@ -1,0 +1,123 @@
+"""A filter on an output, which may as well stand on the road: ``y = W H w = H W w``.
+
+Its square ``|W(j omega)|^2`` is a list of first-order terms, one for each pole, as every factor of the road's spectrum
+is: ``c + sum_k r_k / (omega^2 + p_k^2)`` with ``r_k = -2 p_k Res_(p_k) W(s) W(-s)``. Poles that coincide have no such
+terms of their own. By Cauchy's formula points on a circle around them do in their place, for what the variance makes of
+a term is analytic in its rate.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..quantities import briefly
+from ..roads.colours import Colours
+
+# Poles nearer to one another than this share of their modulus are taken together.
+CLUSTER = 0.02
+
+# Points on a circle whose radius is this share of the way to the imaginary axis, beyond which no rate may lie, or of
+# that to the next pole: the error falls as its power of the number of points.
+POINTS, REACH = 16, 0.2
+
+
+class Filter:
+    """A stable, proper filter with one input and one output.
+
+    Parameters
+    ----------
+    system : control.TransferFunction or control.StateSpace
+        In continuous time.
+    where : str
+        What the errors call it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        No such system.
+    """
+
+    def __init__(self, system: Any, where: str):
+        import control
+
+        if not isinstance(system, (control.TransferFunction, control.StateSpace)):
+            raise TypeError(f"{where} must be a name or a system of python-control, got {briefly(system)}")
+        if system.ninputs != 1 or system.noutputs != 1:
+            raise ValueError(
+                f"{where} must have one input and one output, got {system.ninputs} inputs and {system.noutputs} outputs"
+            )
+        if system.isdtime(strict=True):
+            raise ValueError(f"{where} must be in continuous time, got a step of {system.dt} s")
+        transfer = control.tf(system)
+        numerator, denominator = (np.trim_zeros(np.asarray(p[0][0], float), "f") for p in (transfer.num, transfer.den))
+        if len(numerator) > len(denominator):
+            raise ValueError(
+                f"{where} must be proper, got a numerator of degree {len(numerator) - 1} over {len(denominator) - 1}"
+            )
+        self.numerator, self.denominator = numerator / denominator[0], denominator / denominator[0]
+        self.poles = np.roots(self.denominator)
+        if (self.poles.real >= 0.0).any():
+            worst = self.poles[np.argmax(self.poles.real)]
+            raise ValueError(f"{where} must be stable, got a pole at {worst:.4g} rad/s")
+        self.strictly_proper = len(self.numerator) < len(self.denominator)
+
+    def __call__(self, s: Any) -> Any:
+        """``W(s)``."""
+        return np.polyval(self.numerator, s) / np.polyval(self.denominator, s)
+
+    def power(self, omega: NDArray[Any]) -> NDArray[Any]:
+        """``|W(j omega)|^2``."""
+        return np.asarray(np.abs(self(1j * omega)) ** 2)
+
+    @cached_property
+    def colours(self) -> Colours:
+        """``|W(j omega)|^2`` as first-order terms, for one design."""
+        level = np.array([[0.0 if self.strictly_proper else self.numerator[0] ** 2]])
+        terms = [term for cluster in self._clusters() for term in self._terms(cluster)]
+        alphas, low = (np.array([part], dtype=complex) for part in zip(*terms, strict=True)) if terms else (None, None)
+        if alphas is None or low is None:
+            none = np.empty((1, 0))
+            return Colours(level, none, none, none)
+        if not alphas.imag.any():
+            alphas, low = alphas.real, low.real
+        return Colours(level, alphas, low, np.zeros_like(low))
+
+    def _clusters(self) -> list[NDArray[Any]]:
+        """Poles of the upper half plane, those together that lie close."""
+        clusters: list[list[complex]] = []
+        for pole in sorted(self.poles, key=abs):
+            near = [c for c in clusters if any(abs(pole - other) < CLUSTER * abs(pole) for other in c)]
+            clusters = [c for c in clusters if c not in near] + [[pole, *(other for c in near for other in c)]]
+        found = [np.array(cluster) for cluster in clusters]
+        return [cluster for cluster in found if cluster.mean().imag > -1e-12 * abs(cluster.mean())]
+
+    def _terms(self, cluster: NDArray[Any]) -> list[tuple[complex, complex]]:
+        """Rates and low-pass weights of the terms of a cluster and of its conjugate."""
+        centre = cluster.mean()
+        real = abs(centre.imag) <= 1e-12 * abs(centre)
+        if len(cluster) == 1:
+            slope = np.polyval(np.polyder(self.denominator), centre)
+            residue = -2.0 * centre * np.polyval(self.numerator, centre) * self(-centre) / slope
+            return [(-centre.real, (residue / centre**2).real)] if real else [(-centre, 2.0 * residue / centre**2)]
+        others = [abs(pole - centre) for pole in self.poles if not np.isin(pole, cluster)]
+        radius = REACH * min([-centre.real, *others])
+        turns = radius * np.exp(2j * np.pi * (np.arange(POINTS) + 0.5) / POINTS)
+        nodes = centre + turns
+        weights = turns / POINTS * self(nodes) * self(-nodes) * (-2.0 / nodes)
+        # Of a pole and its conjugate, or of points above and below the real axis, the real part counts twice.
+        counted = nodes.imag > 0.0 if real else np.ones(POINTS, dtype=bool)
+        return list(zip(-nodes[counted], 2.0 * weights[counted], strict=True))
+
+    def filtered(self, y: NDArray[Any], step: float) -> NDArray[Any]:
+        """Histories (outputs, T) filtered from rest, each taken as linear between samples."""
+        import scipy.signal
+
+        if len(self.denominator) == 1:
+            return self.numerator[0] * y
+        A, B, C, D = scipy.signal.tf2ss(self.numerator, self.denominator)
+        times = step * np.arange(y.shape[1])
+        return np.stack([scipy.signal.lsim((A, B, C, D), row, times)[1] for row in y])
