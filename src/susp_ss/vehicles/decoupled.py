@@ -119,7 +119,9 @@ def halves(linkage: Linkage, wheels: Mapping[str, Wheel]) -> tuple[OnStruts, ...
     def half(odd: bool) -> OnStruts:
         coordinates = [name for name, is_odd in parity.items() if is_odd is odd]
         body = {
-            name: BodyMode(len(axles[0]) / inertias[name], tuple(_arm(linkage.corners[axle[-1]], name) for axle in axles))
+            name: BodyMode(
+                len(axles[0]) / inertias[name], tuple(_arm(linkage.corners[axle[-1]], name) for axle in axles)
+            )
             for name in coordinates
         }
         stiffened = {
@@ -147,10 +149,10 @@ def _body(linkage: Linkage) -> dict[str, Any] | None:
 
 def _struts(linkage: Linkage) -> dict[str, Strut]:
     masses = {name: mass for motion, mass in linkage.masses.items() for name in motion.terms}
+    wheels = {name: next(iter(corner.wheel.terms)) for name, corner in linkage.corners.items() if corner.wheel}
     return {
-        name: Strut(*(masses[wheel] for wheel in corner.wheel.terms), corner.ks, corner.cs, corner.kt, corner.ct)
+        name: Strut(masses[wheels[name]], corner.ks, corner.cs, corner.kt, corner.ct)
         for name, corner in linkage.corners.items()
-        if corner.wheel
     }
 
 

@@ -4,15 +4,15 @@
   of them at a time: a microsecond or two each.
 - Other struts on a rigid body, four unequal corners with their bars, go by polynomials of a higher degree (`whole`):
   some thirty microseconds each, a third of that once they are many enough to be worth compiling.
-- The rest, and those that would lose digits there, take the Lyapunov equation of their matrices in batches (`matrices`):
-  some hundred microseconds each.
+- The rest, and those that would lose digits there, take the Lyapunov equation of their matrices in batches
+  (`matrices`): some hundred microseconds each.
 
-What a way needs is stated by the vehicle (`Vehicle.halves`, `Vehicle.whole`) or by its matrices; what lacks it takes the
-next. The choice shows in nothing but time. Against 80-bit arithmetic, over a thousand random full cars each on isotropic
-tracks, polynomials err by at most 3e-13 with parameters within a factor 2 of a car's, 2e-10 over two decades of every
-mass and stiffness, 2e-8 over three (99 % below 1e-9), and 3e-9 with damping down to a millionth. Designs beyond the
-bounds of `digits` are computed in two systems of units; those that differ go to matrices, which measure their own error,
-and what keeps fewer than six digits there is refused.
+What a way needs is stated by the vehicle (`Vehicle.halves`, `Vehicle.whole`) or by its matrices; what lacks it takes
+the next. The choice shows in nothing but time. Against 80-bit arithmetic, over a thousand random full cars each on
+isotropic tracks, polynomials err by at most 3e-13 with parameters within a factor 2 of a car's, 2e-10 over two decades
+of every mass and stiffness, 2e-8 over three (99 % below 1e-9), and 3e-9 with damping down to a millionth. Designs
+beyond the bounds of `digits` are computed in two systems of units; those that differ go to matrices, which measure
+their own error, and what keeps fewer than six digits there is refused.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ LOST, SOUND = 1e-6, 1e-12
 BLOCK, LONG_BLOCK = 2048, 8192
 STRUTS_BLOCK, LONG_STRUTS_BLOCK = 1000, 2000
 
-# Symmetric designs, and other struts on a body, from which loading the compiler (a second; at first use on a machine ten
-# to thirty) is repaid.
+# Symmetric designs, and other struts on a body, from which loading the compiler (a second; at first use on a machine
+# ten to thirty) is repaid.
 PLENTY, MANY = 1_000_000, 50_000
 
 
@@ -53,35 +53,8 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
 
     These may be part of a sweep of more ``designs``, whose number decides what is worth compiling.
     """
-    halves = flat.halves()
-    whole = None if halves else flat.whole()
     variances = np.empty((len(flat.layout().outputs), space.size))
-    left = np.ones(space.size, dtype=bool)
-    if halves or whole:
-        plenty, block, long = (PLENTY, BLOCK, LONG_BLOCK) if halves else (MANY, STRUTS_BLOCK, LONG_STRUTS_BLOCK)
-        compiled = max(designs, space.size) >= plenty and compiler_found()
-
-        def solve(block: slice) -> None:
-            here, size = (flat.select(block), road.select(block)), block.stop - block.start
-            if whole:
-                found = whole_variances(whole.select(block), *here, size, kernels)
-            else:
-                found = symmetric_variances([half.select(block) for half in halves], *here, size, kernels)
-            variances[:, block], left[block] = found
-
-        if compiled:
-            from . import polynomials_numba, struts_numba
-
-            kernels: Any = struts_numba if whole else polynomials_numba
-            first, *others = _blocks(space.size, long)
-            # What has yet to be compiled is compiled here, where an interrupt reaches it.
-            solve(first)
-            with ThreadPoolExecutor(os.cpu_count()) as pool:
-                list(pool.map(solve, others))
-        else:
-            kernels = struts if whole else polynomials
-            for part in _blocks(space.size, block):
-                solve(part)
+    left = _by_polynomials(flat, road, max(designs, space.size), variances)
     for chosen in batches(np.flatnonzero(left), BATCH):
         model, X, error, through, infinite = moments(flat, space, road, chosen, LOST)
         Y = model.velocity_form()[2]
@@ -92,6 +65,40 @@ def covariance_variances(flat: Vehicle, space: DesignSpace, road: Road, designs:
             raise lost_digits(flat, space, int(chosen[np.argmax(lost)]))
         variances[:, chosen] = values.T
     return variances.T
+
+
+def _by_polynomials(flat: Vehicle, road: Road, designs: int, variances: Array) -> NDArray[np.bool_]:
+    """Fill in the variances (outputs, N) of what goes by polynomials; say which designs (N,) are left to matrices."""
+    halves, size = flat.halves(), variances.shape[1]
+    whole, left = None if halves else flat.whole(), np.ones(size, dtype=bool)
+    if not halves and whole is None:
+        return left
+    plenty, block, long = (PLENTY, BLOCK, LONG_BLOCK) if halves else (MANY, STRUTS_BLOCK, LONG_STRUTS_BLOCK)
+    compiled = designs >= plenty and compiler_found()
+    kernels: Any = polynomials if halves else struts
+    if compiled:
+        from . import polynomials_numba, struts_numba
+
+        kernels = polynomials_numba if halves else struts_numba
+
+    def solve(part: slice) -> None:
+        here = flat.select(part), road.select(part), part.stop - part.start, kernels
+        if whole is None:
+            found = symmetric_variances([half.select(part) for half in halves], *here)
+        else:
+            found = whole_variances(whole.select(part), *here)
+        variances[:, part], left[part] = found
+
+    first, *others = _blocks(size, long if compiled else block)
+    # What has yet to be compiled is compiled here, where an interrupt reaches it.
+    solve(first)
+    if compiled:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(solve, others))
+    else:
+        for part in others:
+            solve(part)
+    return left
 
 
 def _blocks(size: int, length: int) -> list[slice]:

@@ -1,15 +1,16 @@
 """The exact variances of any number of struts on a rigid body from one scalar process: polynomials in ``s``.
 
-Where left and right differ nothing splits, yet the algebra of `polynomials` goes on. With struts i = 1..S, ``kappa`` the
-S x S matrix of suspension forces (``ks + cs s`` of each, and anti-roll bars between pairs), ``E_i = kt + ct s + mu s^2``,
-``T_i = kt + ct s`` and ``U = sum mobility arm arm^T`` the body's compliance, of rank B, the road's velocities w deflect
-the struts by
+Where left and right differ nothing splits, yet the algebra of `polynomials` goes on. With struts i = 1..S, ``kappa``
+the S x S matrix of suspension forces (``ks + cs s`` of each, and anti-roll bars between pairs), ``E_i = kt + ct s + mu
+s^2``, ``T_i = kt + ct s`` and ``U = sum mobility arm arm^T`` the body's compliance, of rank B, the road's velocities w
+deflect the struts by
 
     [s^2 (E + kappa) + E U kappa] d = s T w.
 
-The determinant of this matrix of polynomials is ``s^(2 (S - B)) D``, and its minors of k > B rows hold ``s^(2 (k - B))``:
-exact zeros, which are left out. Every output is then ``[P(s) u(t) + Q(s) u(t - tau)] / (s D)`` for a road whose wheels
-see ``now u(t) + later u(t - tau)``. D has degree ``2 (S + B)``: 14 for a full car, 18 for a truck of three axles.
+The determinant of this matrix of polynomials is ``s^(2 (S - B)) D``, and its minors of k > B rows hold ``s^(2 (k -
+B))``: exact zeros, which are left out. Every output is then ``[P(s) u(t) + Q(s) u(t - tau)] / (s D)`` for a road whose
+wheels see ``now u(t) + later u(t - tau)``. D has degree ``2 (S + B)``: 14 for a full car, 18 for a truck of three
+axles.
 
 With ``s D X = u`` every variance is a fixed combination of the derivatives of X's autocorrelation R at 0 and at tau.
 X itself drifts; where the wheels' heights together carry the body without warping it, ``P(0) + Q(0) = 0``, and R counts
@@ -26,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import polynomials
-from .polynomials import Array, Track, start
+from .polynomials import Array, Track
 
 # A sum of numerators no larger than this, relative to its terms, is zero but for rounding.
 BALANCED = 1e-9
@@ -131,9 +132,9 @@ def linked(chassis: Chassis) -> Linked:
 def stirred(chassis: Chassis, adjugate: Array) -> Array:
     """Numerators over ``s D`` by the road of each strut, (S, B + 2 S, n + 1, N), from each column of the adjugate.
 
-    Accelerations of the body's coordinates, then deflections of the struts and of the tyres. A wheel's equation of motion
-    gives its tyre's force; that of one tyre by the road of another has the factors ``T`` of both, which are left out by
-    reciprocity.
+    Accelerations of the body's coordinates, then deflections of the struts and of the tyres. A wheel's equation of
+    motion gives its tyre's force; by reciprocity that of one tyre by the road of another has the factors ``T`` of both,
+    which are left out.
     """
     S, B = len(chassis.struts), len(chassis.mobility)
     m, k, c, kt, ct = (chassis.struts[:, i, None] for i in range(5))

@@ -267,7 +267,11 @@ def hankel(derivatives, N, H):
 
 def start(D, road):
     """`polynomials.start`; complex colours are compiled once some come."""
-    out = coloured(D, road.real) + coloured(D, road.swinging).real if len(road.swinging.alphas) else coloured(D, road.real)
+    out = (
+        coloured(D, road.real) + coloured(D, road.swinging).real
+        if len(road.swinging.alphas)
+        else coloured(D, road.real)
+    )
     return out + white(D, road.level)
 
 

@@ -144,7 +144,8 @@ def symmetric_variances(
     parts, outputs = problems(halves, vehicle, road, N), vehicle.layout().outputs
     with np.errstate(all="ignore"):
         walks = [
-            digits.walk(part.struts, part.body.compliance, part.tau, REACH) if part.delayed else (0, 0) for part in parts
+            digits.walk(part.struts, part.body.compliance, part.tau, REACH) if part.delayed else (0, 0)
+            for part in parts
         ]
         stuck = any(digits.undamped(part.struts).any() for part in parts)
         if not parts or stuck or max(walks)[0] > digits.LONGEST_WALK:

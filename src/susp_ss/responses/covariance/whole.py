@@ -29,7 +29,7 @@ ZERO, CANCELLED = 1e-24, 1e-17
 
 
 class Stirred(NamedTuple):
-    """One process: how much of it each wheel sees, at once and later (2, S), whether it is `steep`, and its spectrum."""
+    """One process: how much of it wheels see at once and later (2, S), whether it is `steep`, and its spectrum."""
 
     weights: Array
     steep: bool
@@ -56,9 +56,8 @@ class Problem(NamedTuple):
         step = np.empty((0, 0, 0))
         if steps > 0:
             step = struts.moved(linked.D, self.tau / steps, halvings, kernels)
-        total = sum(
-            struts.excited(linked, B, *process, self.tau, step, steps, kernels) for process in self.excited
-        )
+        each = [struts.excited(linked, B, *process, self.tau, step, steps, kernels) for process in self.excited]
+        total = np.sum(each, axis=0)
         body, (deflections, tyres, rates) = total[: B * B].reshape(B, B, -1), total[B * B :].reshape(3, S, -1)
         driven = np.any([process.weights for process in self.excited], axis=(0, 1))
         # A damped tyre passes on white velocity; where its wheel sees none, its load is left to matrices.
@@ -72,7 +71,7 @@ class Problem(NamedTuple):
         return out
 
     def _largest(self, deflections: Array, rates: Array) -> Array:
-        """What the forces of the struts would make of the body's accelerations if none worked against another, (B, N)."""
+        """What the struts' forces would make of the body's accelerations if none worked against another, (B, N)."""
         chassis = self.chassis
         deflection, (_, ks, cs, _, _) = np.sqrt(deflections), np.moveaxis(chassis.struts, 1, 0)
         force = ks * deflection + cs * np.sqrt(rates)
