@@ -22,24 +22,28 @@ AGREED = 1e-7
 MASS, TIME = 0.73, 1.37
 
 
-def walk(struts: Array, compliance: Array, tau: Array, reach: float) -> tuple[int, int]:
-    """How many steps of at most ``reach`` radians lead over every delay, and how often each halves until one is left.
+def turns(struts: Array, compliance: Array, tau: Array) -> Array:
+    """Radians (N,) of which no root turns more over the delay.
 
-    It is no root that turns by more. Struts are (S, 5, N) of ``mu, ks, cs, kt, ct``, the body's compliance (S, S, N).
+    Struts are (S, 5, N) of ``mu, ks, cs, kt, ct``, the body's compliance (S, S, N).
     """
     mu, ks, cs, kt, ct = np.moveaxis(struts, 1, 0)
 
-    def bound(spring: Array, tyre: Array, unit: float) -> float:
+    def bound(spring: Array, tyre: Array, unit: float) -> Array:
         """Largest row sum of the springs' matrix over the masses, the body's coordinates in this unit."""
         at_body = np.einsum("ijn,jn->in", np.abs(compliance), (1.0 + 1.0 / unit) * spring)
-        return max(float(at_body.max()), float((((1.0 + unit) * spring + tyre) / mu).max()))
+        return np.maximum(at_body.max(axis=0), (((1.0 + unit) * spring + tyre) / mu).max(axis=0))
 
-    def fastest(unit: float) -> float:
+    def fastest(unit: float) -> Array:
         half = 0.5 * bound(cs, ct, unit)
         return half + np.sqrt(half**2 + bound(ks, kt, unit))
 
     # Any unit bounds the roots; a small one does so tightly where the wheels are faster than the body.
-    turns = min(fastest(1.0), fastest(0.25)) * float(tau.max())
+    return np.minimum(fastest(1.0), fastest(0.25)) * tau
+
+
+def walk(turns: float, reach: float) -> tuple[int, int]:
+    """Steps of at most ``reach`` radians that lead over so many, and how often each halves until one is left."""
     steps = int(np.ceil(turns / reach))
     return steps, max(0, int(np.ceil(np.log2(turns / steps))))
 

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from . import polynomials
 from .polynomials import Array, Track
+from .polynomials import start as start
 
 # A sum of numerators no larger than this, relative to its terms, is zero but for rounding.
 BALANCED = 1e-9

@@ -64,6 +64,10 @@ class Problem(NamedTuple):
             out |= {signal(kind, corner): variance for corner in corners for kind, variance in values.items()}
         return out
 
+    def walk(self) -> tuple[int, int]:
+        """Steps over every delay, and halvings of each."""
+        return digits.walk(float(digits.turns(self.struts, self.body.compliance, self.tau).max()), REACH)
+
     def in_other_units(self) -> Problem:
         """The same problem with mass and time in other units."""
         return self._replace(
@@ -143,10 +147,7 @@ def symmetric_variances(
     """
     parts, outputs = problems(halves, vehicle, road, N), vehicle.layout().outputs
     with np.errstate(all="ignore"):
-        walks = [
-            digits.walk(part.struts, part.body.compliance, part.tau, REACH) if part.delayed else (0, 0)
-            for part in parts
-        ]
+        walks = [part.walk() if part.delayed else (0, 0) for part in parts]
         stuck = any(digits.undamped(part.struts).any() for part in parts)
         if not parts or stuck or max(walks)[0] > digits.LONGEST_WALK:
             return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)

@@ -147,22 +147,24 @@ def whole_variances(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Variances (outputs, N) of N designs by their struts, and which of them (N,) are left to matrices.
 
-    All are where the delay is very long; those are whose wheels warp the road without bound or have no damper, whose
-    damped tyres pass on a velocity of finite variance, and each one that may keep fewer than six digits here.
+    Those are whose delay is very long, whose wheels warp the road without bound or have no damper, whose damped tyres
+    pass on a velocity of finite variance, and which may keep fewer than six digits here.
     """
     outputs, one = vehicle.layout().outputs, problem(whole, vehicle, road, N)
     compliance, delayed = one.compliance(), any(process.weights[1].any() for process in one.excited)
+    left, walk = digits.undamped(one.chassis.struts), (0, 0)
     with np.errstate(all="ignore"):
-        walk = digits.walk(one.stiffened(), compliance, one.tau, REACH) if delayed else (0, 0)
-        if walk[0] > digits.LONGEST_WALK:
-            return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)
+        if delayed:
+            turns = digits.turns(one.stiffened(), compliance, one.tau)
+            left |= turns > digits.LONGEST_WALK * REACH
+            walk = digits.walk(float(turns.max(where=~left, initial=1.0)), REACH)
 
         def solved(problem: Problem) -> Array:
             found = problem.variances(kernels, walk)
             return np.array([found[name] for name in outputs.names])
 
         variances = solved(one)
-        left = np.isnan(variances).any(axis=0) | digits.undamped(one.chassis.struts)
+        left |= np.isnan(variances).any(axis=0)
         if road.velocity_is_bounded:
             left |= one.chassis.struts[:, 4].any(axis=0)
         if digits.extreme(one.stiffened(), compliance):
