@@ -27,7 +27,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "roads": ["DEFAULT_ROAD", "Road"],
         "responses": ["frequency_response", "psd", "simulate"],
         "responses.covariance": ["covariance"],
-        "metrics": ["Response", "ride_metrics", "sensitivity"],
+        "metrics": ["Response", "ride_metrics", "sensitivity", "weighting"],
         "surrogates": [
             "CoKriging",
             "Comparison",

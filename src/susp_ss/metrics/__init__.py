@@ -3,5 +3,6 @@
 from .response import Response
 from .ride import ride_metrics
 from .sensitivity import sensitivity
+from .weightings import weighting
 
-__all__ = ["Response", "ride_metrics", "sensitivity"]
+__all__ = ["Response", "ride_metrics", "sensitivity", "weighting"]

@@ -30,7 +30,7 @@ def lazy_metrics(vehicle: Vehicle, road: Road, how: dict[str, Any]) -> xr.Datase
     unlabelled = [dim for dim in space.dims if dim not in arrays.indexes]
     arrays = arrays.assign_coords({dim: np.arange(arrays.sizes[dim]) for dim in unlabelled})
 
-    like = template(vehicle.layout(), how["method"])
+    like = template(vehicle.layout(), how["method"], how["weighting"])
     chunks = tuple(arrays.chunksizes.get(dim, (arrays.sizes[dim],)) for dim in space.dims)
     blocks = {
         name: dask.array.empty((*space.shape, *data.shape), chunks=(*chunks, *data.shape))

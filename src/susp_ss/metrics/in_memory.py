@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..responses.covariance.routes import covariance_variances
 from ..responses.excitation import spanned
+from ..responses.filters import Filter
 from ..responses.labels import labelled_outputs
 from ..responses.simulation import time_variances
 from ..responses.spectral import spectral_variances
@@ -29,37 +31,60 @@ INFINITE = (
 """When a tyre load has no finite variance: the comment of its variable."""
 
 
-def metrics_in_memory(vehicle: Vehicle, road: Road, method: str, designs: int, **record: Any) -> xr.Dataset:
+def metrics_in_memory(
+    vehicle: Vehicle, road: Road, method: str, designs: int, weighting: Mapping[str, Filter], **record: Any
+) -> xr.Dataset:
     """Metrics of a vehicle in memory, part of a sweep of so many designs; ``record`` is for time histories."""
-    (space, flat, road), errors = spanned(vehicle, road), None
-    if method == "time":
-        variances, errors = time_variances(flat, space, road, **record)
-    elif method == "spectral":
-        variances = spectral_variances(flat, space, road)
-    else:
-        variances = covariance_variances(flat, space, road, designs)
+    space, flat, road = spanned(vehicle, road)
+
+    def moments(road: Road) -> tuple[Array, Array | None]:
+        if method == "time":
+            return time_variances(flat, space, road, **record)
+        if method == "spectral":
+            return spectral_variances(flat, space, road), None
+        return covariance_variances(flat, space, road, designs), None
+
+    layout, (variances, errors) = vehicle.layout(), moments(road)
+    rates = layout.outputs.of("sws_rate")
     corners = flat.linkage().corners.values()
     damping = np.stack(np.broadcast_arrays(*(corner.cs for corner in corners))).T
-    return _labelled(vehicle.layout(), space, damping, variances, errors)
+    powers = damping * variances[:, rates], None if errors is None else damping * errors[:, rates]
+    for one in dict.fromkeys(weighting.values()):
+        through, their_errors = moments(road.weighted(one))
+        for name in (name for name, other in weighting.items() if other is one):
+            rows = layout.outputs.of(name)
+            variances[:, rows] = through[:, rows]
+            if errors is not None and their_errors is not None:
+                errors[:, rows] = their_errors[:, rows]
+    metrics = _labelled(layout, space, variances, errors, powers)
+    for name, one in weighting.items():
+        metrics[name].attrs["weighting"] = one.name
+    return metrics
 
 
-def template(layout: Layout, method: str) -> xr.Dataset:
+def template(layout: Layout, method: str, weighting: Mapping[str, Filter]) -> xr.Dataset:
     """Metrics of one design as `metrics_in_memory` returns them, without their values."""
-    nothing, one = np.zeros((1, len(layout.outputs))), DesignSpace.over((), "")
-    return _labelled(layout, one, np.zeros(len(layout.corners)), nothing, nothing if method == "time" else None)
+    nothing, power = np.zeros((1, len(layout.outputs))), np.zeros((1, len(layout.corners)))
+    timed = method == "time"
+    metrics = _labelled(
+        layout, DesignSpace.over((), ""), nothing, nothing if timed else None, (power, power if timed else None)
+    )
+    for name, one in weighting.items():
+        metrics[name].attrs["weighting"] = one.name
+    return metrics
 
 
-def _labelled(layout: Layout, space: DesignSpace, damping: Array, variances: Array, errors: Array | None) -> xr.Dataset:
-    """Root mean squares and damper powers of variances (designs, outputs), which they replace."""
-    rates = layout.outputs.of("sws_rate")
-    power = damping * variances[:, rates]
+def _labelled(
+    layout: Layout, space: DesignSpace, variances: Array, errors: Array | None, powers: tuple[Array, Array | None]
+) -> xr.Dataset:
+    """Root mean squares of variances (designs, outputs), which they replace, and damper powers, with their errors."""
+    power, of_power = powers
     roots = np.sqrt(variances, out=variances)
     metrics = labelled_outputs(layout, roots, power, space, long_name="{statistic} {meaning}")
     metrics.dtl.attrs["comment"] = INFINITE
-    if errors is None:
+    if errors is None or of_power is None:
         return metrics
     with np.errstate(divide="ignore", invalid="ignore"):
         of_roots = np.where(errors > 0.0, errors / (2.0 * roots), 0.0)
-    of_power = damping * errors[:, rates]
     stderr = labelled_outputs(layout, of_roots, of_power, space, long_name="standard error of {meaning}")
     return metrics.assign({f"{name}_stderr": data for name, data in stderr.items()})

@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from ..quantities import briefly
 from ..responses.covariance.routes import covariance_variances
-from ..responses.covariance.tangents import variance_tangents
+from ..responses.covariance.tangents import Tangents, variance_tangents
 from ..responses.excitation import check_kinds, spanned
 from ..responses.labels import labelled_outputs
 from ..responses.settings import Setting, settable
 from ..roads.road import Road
 from ..vehicles.vehicle import Vehicle
+from .weightings import filters
 
 # Designs differentiated together: few enough to stay near the processor with all their tangents.
 BATCH = 64
 
 
-def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks", "cs")) -> xr.Dataset:
+def sensitivity(
+    vehicle: Vehicle,
+    road: Road,
+    parameters: Sequence[str] = ("ks", "cs"),
+    *,
+    weighting: Any = None,
+    points: Mapping[str, tuple[float, float]] | None = None,
+) -> xr.Dataset:
     """Derivatives of the ride metrics with respect to parameters, exact to rounding.
 
     With ``A X + X A^T + Q = 0`` for the covariance X and ``s = y X y^T`` for a variance,
@@ -38,6 +48,8 @@ def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks",
         Fields of the vehicle; of a field that a corner may have for itself, ``"ks"`` is a common change at all
         corners and ``"ks_fr"`` a change at one. And ``"speed"``, ``"roughness"`` or (if there is one) ``"cutoff"`` of
         the road.
+    weighting, points
+        As in `ride_metrics`.
 
     Returns
     -------
@@ -74,6 +86,9 @@ def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks",
     [-0.5, 0.5]
     """
     check_kinds(vehicle, road)
+    if points is not None:
+        vehicle = vehicle.with_points(points)
+    weighted = filters(weighting, vehicle.layout())
     known = settable(vehicle)
     if not np.all(np.asarray(road.cutoff) > 0.0):
         del known["cutoff"]
@@ -82,17 +97,27 @@ def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks",
     for name in ("parameter", "unit"):
         if name in space.coords or name in space.dims:
             raise ValueError(f"{type(vehicle).__name__} has a dim or coordinate named {name!r}, which results use")
-    rates = vehicle.layout().outputs.of("sws_rate")
+    table, rms, power = vehicle.layout().outputs, [], []
+    rates = table.of("sws_rate")
     variances = covariance_variances(flat, space, ground)
+    through = {one: covariance_variances(flat, space, ground.weighted(one)) for one in set(weighted.values())}
 
-    rms, power = [], []
+    def slopes(road: Road, variances: NDArray[np.float64], batch: slice) -> tuple[Tangents, NDArray[np.float64]]:
+        """Tangents of some designs, and derivatives (P, N, outputs) of the root mean squares."""
+        here = variances[batch]
+        tangents = variance_tangents(flat.select(batch), road.select(batch), list(settings.values()), here)
+        roots = 2.0 * np.sqrt(here)
+        by_root = np.divide(tangents.variances, roots, out=np.zeros_like(tangents.variances), where=roots > 0.0)
+        return tangents, np.where(tangents.kinked, np.nan, by_root)
+
     for start in range(0, space.size, BATCH):
         batch = slice(start, start + BATCH)
-        some = flat.select(batch), ground.select(batch)
-        tangents = variance_tangents(*some, list(settings.values()), variances[batch])
-        roots = 2.0 * np.sqrt(variances[batch])
-        slopes = np.divide(tangents.variances, roots, out=np.zeros_like(tangents.variances), where=roots > 0.0)
-        rms.append(np.where(tangents.kinked, np.nan, slopes))
+        tangents, values = slopes(ground, variances, batch)
+        for one, their_variances in through.items():
+            _, theirs = slopes(ground.weighted(one), their_variances, batch)
+            for name in (name for name, other in weighted.items() if other is one):
+                values[..., table.of(name)] = theirs[..., table.of(name)]
+        rms.append(values)
         with np.errstate(invalid="ignore"):
             change = tangents.damping.tangent * variances[batch, rates]
             power.append(change + tangents.damping.value * tangents.variances[..., rates])
@@ -102,6 +127,8 @@ def sensitivity(vehicle: Vehicle, road: Road, parameters: Sequence[str] = ("ks",
     coords = {"parameter": list(settings), "unit": ("parameter", units)}
     long_name = "derivative of {statistic} {meaning} by each parameter"
     slope = labelled_outputs(vehicle.layout(), values, powers, space, ("parameter",), coords, long_name)
+    for name, one in weighted.items():
+        slope[name].attrs["weighting"] = one.name
     return slope.transpose(*space.dims, "parameter", ...)
 
 

@@ -92,7 +92,8 @@ def weighting(name: str) -> control.TransferFunction:
     if constants.step:
         f5, Q5, f6, Q6 = constants.step
         parts.append(([(f5 / f6) ** 2 * c for c in _resonance(f5, Q5)], _resonance(f6, Q6)))
-    numerator, denominator = np.ones(1), np.ones(1)
+    numerator: Any = 1.0
+    denominator: Any = 1.0
     for above, below in parts:
         numerator, denominator = np.polymul(numerator, above), np.polymul(denominator, below)
     return control.tf(numerator, denominator, name=name)
@@ -106,7 +107,7 @@ def _resonance(frequency: float, Q: float) -> list[float]:
 
 @cache
 def _named(name: str) -> Filter:
-    return Filter(weighting(name), f"weighting={name!r}")
+    return Filter(weighting(name), f"weighting={name!r}", name)
 
 
 def filters(given: Any, layout: Layout) -> dict[str, Filter]:

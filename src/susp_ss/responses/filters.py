@@ -34,6 +34,8 @@ class Filter:
         In continuous time.
     where : str
         What the errors call it.
+    name : str
+        What results call it.
 
     Raises
     ------
@@ -41,8 +43,10 @@ class Filter:
         No such system.
     """
 
-    def __init__(self, system: Any, where: str):
+    def __init__(self, system: Any, where: str, name: str = "filter"):
         import control
+
+        self.name = name
 
         if not isinstance(system, (control.TransferFunction, control.StateSpace)):
             raise TypeError(f"{where} must be a name or a system of python-control, got {briefly(system)}")
@@ -66,8 +70,14 @@ class Filter:
         self.strictly_proper = len(self.numerator) < len(self.denominator)
 
     def __call__(self, s: Any) -> Any:
-        """``W(s)``."""
-        return np.polyval(self.numerator, s) / np.polyval(self.denominator, s)
+        """``W(s)``, in powers of s or of 1/s, whichever is small."""
+        s = np.asarray(s, dtype=complex)
+        large = np.abs(s) > 1.0
+        below, above = np.where(large, 1.0, s), 1.0 / np.where(large, s, 1.0)
+        lag = len(self.denominator) - len(self.numerator)
+        small = np.polyval(self.numerator, below) / np.polyval(self.denominator, below)
+        steep = np.polyval(self.numerator[::-1], above) / np.polyval(self.denominator[::-1], above)
+        return np.where(large, above**lag * steep, small)
 
     def power(self, omega: NDArray[Any]) -> NDArray[Any]:
         """``|W(j omega)|^2``."""
@@ -78,10 +88,7 @@ class Filter:
         """``|W(j omega)|^2`` as first-order terms, for one design."""
         level = np.array([[0.0 if self.strictly_proper else self.numerator[0] ** 2]])
         terms = [term for cluster in self._clusters() for term in self._terms(cluster)]
-        alphas, low = (np.array([part], dtype=complex) for part in zip(*terms, strict=True)) if terms else (None, None)
-        if alphas is None or low is None:
-            none = np.empty((1, 0))
-            return Colours(level, none, none, none)
+        alphas, low = np.array(terms, dtype=complex).reshape(-1, 2).T[:, None]
         if not alphas.imag.any():
             alphas, low = alphas.real, low.real
         return Colours(level, alphas, low, np.zeros_like(low))

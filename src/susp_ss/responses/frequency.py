@@ -123,6 +123,8 @@ def output_density(
     width = np.asarray(vehicle.track_width)[..., None]
     road = road.mapped(lambda x: np.asarray(x)[..., None])
     velocity = omega**2 * road.psd(f / road.speed) / road.speed
+    if road.weighting is not None:
+        velocity = velocity * road.weighting.power(omega)
     total = np.zeros(H.shape[:-1])
     for process in processes(vehicle, road):
         share: Any = process.share

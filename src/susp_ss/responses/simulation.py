@@ -124,7 +124,8 @@ def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, se
     step = min(step, RESOLVED / swinging.max(initial=RESOLVED / step))
     if tau:
         step = tau / np.ceil(tau / step)
-    forget = 8.0 / np.abs(eigenvalues.real).min()
+    fading = eigenvalues if road.weighting is None else np.concatenate([eigenvalues, road.weighting.poles])
+    forget = 8.0 / np.abs(fading.real).min()
     if (duration + forget) / step > MOST_STEPS:
         raise ValueError(
             f"{type(vehicle).__name__} needs {(duration + forget) / step:.2g} time steps, {forget:.3g} s of them to "
@@ -143,7 +144,10 @@ def _mean_squares(vehicle: Vehicle, road: Road, duration: float, step: float, se
     period = z.shape[1]
     lead = int(np.ceil(forget / step))
     z = np.take(z, np.arange(-lead, period), axis=1, mode="wrap")
-    y = _outputs(model, z, step * np.arange(lead + period))[:, lead:]
+    y = _outputs(model, z, step * np.arange(lead + period))
+    if road.weighting is not None:
+        y = road.weighting.filtered(y, step)
+    y = y[:, lead:]
 
     power = 2.0 * np.abs(np.fft.rfft(y, axis=1) / period) ** 2
     power[:, 0] *= 0.5

@@ -67,6 +67,8 @@ def colours(road: Road, share: float, sign: int, track_width: Any) -> Colours:
         total = product(total, _first_order(2.0 * np.pi * road.cutoff * road.speed, high=True))
     if road.contact_length:
         total = product(total, _first_order(road.speed * (1.0 / road.contact_length), high=False))
+    if road.weighting is not None:
+        total = product(total, Colours(*(np.broadcast_to(part, (N, part.shape[1])) for part in road.weighting.colours)))
     return total
 
 

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 import xarray as xr
@@ -85,6 +85,8 @@ class Road:
     wheels: tuple[str, ...] | None = None
     contact_length: float = 0.0
     table: tuple[tuple[float, float], ...] = ()
+
+    weighting: ClassVar[Any] = None
 
     def __post_init__(self) -> None:
         for name, quantity in ROAD.items():
@@ -257,7 +259,7 @@ class Road:
     def velocity_is_bounded(self) -> bool:
         """Whether the vertical velocity under a wheel has a finite variance: from waviness 3 on, or with a contact."""
         exact = self.standard().exact_terms()
-        if exact is not None and exact[0] == 0.0:
+        if (exact is not None and exact[0] == 0.0) or (self.weighting is not None and self.weighting.strictly_proper):
             return True
         return self.slopes[1] > 3.0 or self.contact_length > 0.0
 
@@ -297,6 +299,12 @@ class Road:
         for name, value in vars(self).items():
             object.__setattr__(mapped, name, function(value) if name in ROAD else value)
         return mapped
+
+    def weighted(self, weighting: Any) -> Self:
+        """The road as an output sees it through a filter: a filter on the output may as well stand on the road."""
+        weighted = self.mapped(lambda x: x)
+        object.__setattr__(weighted, "weighting", weighting)
+        return weighted
 
     def select(self, designs: slice | NDArray[np.int_]) -> Self:
         """The road of some of the designs, of one with numbers or arrays over the designs."""

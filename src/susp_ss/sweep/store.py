@@ -140,7 +140,7 @@ def sweep(
     chunk = _chunk(sizes, MOST_DESIGNS[method])
     regions = _regions(sizes, chunk)
 
-    how = {"method": method, "designs": math.prod(sizes.values())}
+    how: dict[str, Any] = {"method": method, "weighting": {}, "designs": math.prod(sizes.values())}
 
     def task(region: Mapping[str, slice]) -> Task:
         return arrays.isel(region), frame, ground, how, tuple(axes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
@@ -14,6 +15,7 @@ from ..quantities import PARAMETERS, Quantity, briefly, signal
 from .decoupled import OnStruts, halves, whole
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
+from .points import checked_points, with_points
 from .second_order import Layout, SecondOrder
 
 if TYPE_CHECKING:
@@ -198,6 +200,32 @@ class Vehicle:
         for name, value in values.items():
             object.__setattr__(mapped, name, value)
         return mapped
+
+    def with_points(self, points: Mapping[str, tuple[float, float]]) -> Vehicle:
+        """The same vehicle, measured at further points of its body.
+
+        Parameters
+        ----------
+        points : mapping of str to (x, y)
+            In m ahead of and to the left of the centre of gravity.
+
+        Raises
+        ------
+        TypeError, ValueError
+            No such mapping, a name that is taken, or a place that the model's body does not have.
+
+        Examples
+        --------
+        >>> from susp_ss import FullCar
+        >>> FullCar().with_points({"driver": (0.3, 0.4)}).layout().outputs.places("bacc")
+        ('cg', 'fr', 'fl', 'rr', 'rl', 'driver')
+        """
+        own: Any = type(self)
+        kind = with_points(own, checked_points(points, type(self).__name__, self.linkage()))
+        vehicle: Vehicle = object.__new__(kind)
+        for name, value in vars(self).items():
+            object.__setattr__(vehicle, name, value)
+        return vehicle
 
     def assemble(self) -> SecondOrder:
         """Matrices of the second-order model, stacked over the designs of a flattened vehicle."""

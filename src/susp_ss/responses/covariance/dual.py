@@ -108,12 +108,11 @@ def _expm1(x: Dual) -> Dual:
     return Dual(value, (value + 1.0) * x.tangent)
 
 
-def _concatenate(parts: Sequence[Dual], axis: int) -> Dual:
-    """Parts joined along a (negative) axis."""
-    return Dual(
-        np.concatenate([part.value for part in parts], axis=axis),
-        np.concatenate([part.tangent for part in parts], axis=axis),
-    )
+def _concatenate(parts: Sequence[Dual | Array], axis: int) -> Dual:
+    """Parts joined along a (negative) axis, constants among them."""
+    along = next(len(part.tangent) for part in parts if isinstance(part, Dual))
+    every = [part if isinstance(part, Dual) else Dual(part, np.zeros((along, *part.shape))) for part in parts]
+    return Dual(*(np.concatenate(x, axis=axis) for x in ([p.value for p in every], [p.tangent for p in every])))
 
 
 # An array on the left of an operator asks numpy first.

@@ -95,7 +95,7 @@ class Correlations:
         sigma2 = 0.5 * self.weights * self.alphas
         g, h, variance, lagged = (
             np.real((sigma2 * x).sum(axis=-3))
-            for x in (self.now, self.before + self.forced, np.ones_like(self.decay), self.decay)
+            for x in (self.now, self.before + self.forced, 1.0 + 0.0 * self.decay, self.decay)
         )
         if now + later != 0.0:
             # The height is the sum of colours of variance -weight / (2 alpha), and the velocity its derivative.

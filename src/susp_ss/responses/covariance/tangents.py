@@ -95,9 +95,7 @@ def variance_tangents(vehicle: Vehicle, road: Road, settings: Sequence[Setting],
         if road.velocity_is_bounded:
             at_once, late = system.D @ process.now, system.D @ process.later
             passed = stirred.passed_on(*warped)
-            with_now, with_late = (
-                (system.Y @ x)[:, :, 0] + system.on_warp * (w[:, :, 0] if np.ndim(w) else w) for x, w in passed.states
-            )
+            with_now, with_late = ((system.Y @ x)[:, :, 0] + system.on_warp * w[:, :, 0] for x, w in passed.states)
             through += 2.0 * (at_once * with_now + late * with_late + at_once * late * passed.lagged)
             through += (at_once * at_once + late * late) * passed.variance
 
@@ -171,7 +169,7 @@ def _carried(dynamics: Dynamics, A: Dual, tau: Dual, sources: Sequence[Dual], al
     Taylor over a short time h, then over twice the time and so on, ``E <- E^2`` and ``f <- E f + f e^(-alpha h)``.
     """
     size, J = A.value.shape[-1], alphas.value.shape[-1]
-    reach = np.max(np.maximum(dynamics.fastest(), alphas.value.max(axis=-1, initial=0.0)) * tau.value)
+    reach = np.max(np.maximum(dynamics.fastest(), np.abs(alphas.value).max(axis=-1, initial=0.0)) * tau.value)
     doublings = max(0, int(np.ceil(np.log2(max(reach, 1.0)))))
     rates: Any = np.concatenate([alphas] * len(sources), axis=-1)[:, None, :]
     h = tau[:, None, None] / 2.0**doublings
