@@ -198,6 +198,8 @@ def applied(p: Array, derivatives: Array) -> Array:
 def decaying(g: Array, alphas: Array, first: int, count: int) -> Array:
     """Derivatives of ``sum g e^(-alpha t)`` at 0, of orders first to count - 1; zeros before."""
     out = np.zeros((count, g.shape[1]), dtype=g.dtype)
+    if len(g) == 0:
+        return out
     term = g * (-alphas) ** first
     for k in range(first, count):
         out[k] = term.sum(axis=0)
@@ -207,6 +209,8 @@ def decaying(g: Array, alphas: Array, first: int, count: int) -> Array:
 
 def value(p: Array, s: Array) -> Array:
     """``p(s)`` at s (J, N), J a column of p."""
+    if len(s) == 0:
+        return s
     out = p[-1] + 0.0 * s
     for i in range(len(p) - 2, -1, -1):
         out = out * s + p[i]
