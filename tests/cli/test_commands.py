@@ -241,7 +241,7 @@ def few_scenarios(monkeypatch):
     for name, value in {"EXCITED": {"all wheels": None}, "TRACKS": ("isotropic",), "SPEEDS": (20.0,)}.items():
         monkeypatch.setattr(f"susp_ss.study.scan.{name}", value)
     monkeypatch.setattr("susp_ss.study.scan.CUTOFFS", (0.0,))
-    monkeypatch.setattr("susp_ss.study.scan.SPECTRAL", ())
+    monkeypatch.setattr("susp_ss.study.scan.OTHERS", ())
 
 
 def test_scan_equals_the_library(answer, few_scenarios, here):
@@ -288,7 +288,12 @@ REFUSED = {
     "unknown wheel": ("metrics --wheels rear", "no wheel named 'rear'"),
     "no wheel": ("metrics --wheels ,", "--wheels"),
     "unbounded warp": ("metrics --wheels fr", "warp"),
-    "waviness of another method": ("metrics --waviness 2.5", "waviness 2", "spectral"),
+    "weighting": ("metrics --weighting Wx", "no weighting named 'Wx'", "Wk"),
+    "output of a weighting": ("metrics --weighting roll=We", "no output named 'roll'", "roll_acc"),
+    "two weightings": ("metrics --weighting Wk,Wd", "for all accelerations", "bacc=Wk"),
+    "point": ("metrics --point driver", "--point must be NAME=X,Y", "driver"),
+    "knee": ("metrics --knee 0.2", "--knee needs two exponents", "2:1.5"),
+    "three exponents": ("metrics --waviness 2:3:2", "one exponent, or two", "2:3:2"),
     "unknown method": ("metrics --method guess", "covariance, spectral, time"),
     "seed without record": ("metrics --seed 1", "--seed", "--method time"),
     "duration without record": ("metrics --duration 9 --method spectral", "--duration", "--method time"),

@@ -50,7 +50,7 @@ def test_bash_completes_commands_and_options(shell):
         return shell(COMP_WORDS=words, COMP_CWORD=str(at), _SUSP_SS_COMPLETE="complete_bash").split()
 
     assert completed("susp-ss me", 1) == ["metrics"]
-    assert completed("susp-ss metrics --spe", 2) == ["--speed"]
+    assert completed("susp-ss metrics --spee", 2) == ["--speed"]
 
 
 def test_completion_is_installed_where_help_says(shell, tmp_path):

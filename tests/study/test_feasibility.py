@@ -168,7 +168,7 @@ def test_restricted_wheels_leave_the_quarter_car_its_road(study):
 
 BAD = {
     "road": ({"road": "B"}, TypeError, "road must be a Road"),
-    "waviness": ({"road": ss.Road(waviness=2.5)}, ValueError, "waviness 2, got 2.5"),
+    "roads": ({"road": ss.Road(speed=np.array([10.0, 20.0]))}, ValueError, "one speed, roughness and cutoff"),
     "warp": ({"road": ss.Road(tracks="independent", delay=False, wheels=("fr",))}, ValueError, "finite variance"),
     "corner": ({"corner": "rear"}, ValueError, "no corner named 'rear', available: fr, fl, rr, rl"),
     "no corner": ({"corner": None}, ValueError, "no corner named None"),

@@ -10,11 +10,11 @@ from susp_ss.study.scan import scan_scenarios
 
 @pytest.fixture(scope="module")
 def small():
-    """Two speeds fewer and no spectral scenarios, so that it takes seconds."""
+    """Two speeds fewer and waviness 2 alone, so that it takes seconds."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(scan, "SPEEDS", (20.0,))
         patch.setattr(scan, "CUTOFFS", (0.0,))
-        patch.setattr(scan, "SPECTRAL", ())
+        patch.setattr(scan, "OTHERS", ())
         patch.setattr(scan, "ROAD_CLASSES", ("B", "C"))
         return scan_scenarios(nodes=(4, 4)).scenarios
 
@@ -103,14 +103,11 @@ def test_report_says_what_was_refused(small):
     assert f"number {default.name + 1}, at {default.distance:.3g}" in " ".join(text.split())
 
 
-def test_other_waviness_takes_the_spectral_route(monkeypatch):
+def test_other_waviness(monkeypatch):
     monkeypatch.setattr(scan, "SPEEDS", ())
     monkeypatch.setattr(scan, "EXCITED", {"all wheels": None})
     monkeypatch.setattr(scan, "TRACKS", ("identical",))
-    monkeypatch.setattr(scan, "SPECTRAL", ((20.0, 2.5, 0.0),))
-    monkeypatch.setattr(scan, "SPECTRAL_NODES", (2, 2))
-    monkeypatch.setattr(scan, "SPECTRAL_DEGREE", 8)
-    table = scan_scenarios().scenarios
+    table = scan_scenarios(nodes=(2, 2)).scenarios
     assert (table.waviness == 2.5).all()
     assert table.distance.notna().all()
     assert (table.refused == "").all()

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from ..quantities import Quantity, typeset
 from .documents import json_number, road_document
-from .options import Json, built_from, counted, measured, print_table, road_from_options, vehicle_options
+from .options import Json, built_from, counted, measured, names, number, print_table, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -29,10 +29,27 @@ def run(
         str,
         typer.Option(
             metavar="NAME",
-            help="covariance: exact, for waviness 2; spectral: any waviness; time: a synthesised record, with "
-            "standard errors.",
+            help="covariance: exact; spectral: an integral over frequency; time: a synthesised record, with standard "
+            "errors.",
         ),
     ] = "covariance",
+    weighting: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME or OUTPUT=NAME",
+            help="Frequency weighting of the accelerations, Wk, Wd, Wb, ..., or of one output, roll_acc=We; may be "
+            "repeated.",
+            show_default=False,
+        ),
+    ] = None,
+    point: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=X,Y",
+            help="A further point of the body, m ahead and left of the centre of gravity; may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
     duration: Annotated[
         str | None,
         typer.Option(metavar="s", help="Length of the record, with --method time.", show_default="600"),
@@ -50,6 +67,7 @@ def run(
     dtl: dynamic tyre load (N)
     pitch_acc, roll_acc: angular acceleration of the body (rad/s^2)
     damper_power: mean power dissipated in each damper (W)
+    tyre_deflection (m), sws_rate: suspension velocity (m/s)
 
     An infinite variance shows as inf, in JSON as the text "inf".
     """
@@ -63,8 +81,9 @@ def run(
     record = {name: value for name, value in (("duration", length), ("seed", seed)) if value is not None}
     if record and method != "time":
         raise Refusal(f"--{next(iter(record))} belongs to --method time, got --method {method}")
+    more: dict[str, Any] = {"weighting": _weightings(weighting or []), "points": _points(point or [])}
     with refusals(), Console(stderr=True).status("computing"):
-        result = ride_metrics(vehicle, road, method=method, **record)
+        result = ride_metrics(vehicle, road, method=method, **more, **record)
     if as_json:
         typer.echo(json.dumps(_document(vehicle, road, method, result), indent=2))
     else:
@@ -87,6 +106,34 @@ def _document(vehicle: "Vehicle", road: "Road", method: str, result: "xr.Dataset
             for name, data in result.items()
         },
     }
+
+
+def _weightings(given: list[str]) -> Any:
+    """One name for all, or names by output."""
+    named = [text.partition("=") for text in names(given)]
+    everywhere = [name for name, equals, _ in named if not equals]
+    if not named:
+        return None
+    if everywhere and len(named) > 1:
+        raise Refusal(
+            f"--weighting {everywhere[0]} is for all accelerations; by output, pass bacc={everywhere[0]} and so on"
+        )
+    return everywhere[0] if everywhere else {output: name for output, _, name in named}
+
+
+def _points(given: list[str]) -> dict[str, tuple[float, float]] | None:
+    points = {}
+    for text in given:
+        name, equals, place = text.partition("=")
+        numbers = place.split(",")
+        if not equals or len(numbers) != 2:
+            raise Refusal(f"--point must be NAME=X,Y such as driver=0.3,0.4 in m, got {text!r}")
+        points[name] = (number("--point", numbers[0]), number("--point", numbers[1]))
+    return points or None
+
+
+def _weighted(data: "xr.DataArray") -> str:
+    return f"{data.attrs['weighting']}-weighted " if "weighting" in data.attrs else ""
 
 
 def _comment(data: "xr.DataArray") -> str:
@@ -113,4 +160,4 @@ def _print(vehicle: "Vehicle", road: "Road", result: "xr.Dataset") -> None:
     typer.echo(f"{type(vehicle).__name__}; {typeset(road.describe())}")
     print_table(table)
     for name, data in result.items():
-        typer.echo(f"{name}: {data.attrs['long_name']}{_comment(data)}")
+        typer.echo(f"{name}: {_weighted(data)}{data.attrs['long_name']}{_comment(data)}")

@@ -176,13 +176,26 @@ def _road(metavar: str, meaning: str, default: str = "") -> Any:
     return typer.Option(metavar=metavar, help=meaning, show_default=default or False, rich_help_panel="Road")
 
 
+CONTACT = Quantity("contact_length", "m", "contact length", bound=">= 0", known=(1e-3, 1.0))
+
+
 def road_from_options(
     road_class: Annotated[
         str | None, _road("A-H", "ISO 8608 class, by its geometric mean roughness.", default="B")
     ] = None,
     roughness: Annotated[str | None, _road(ROAD["roughness"].unit, "G_d(0.1 cycle/m), in place of a class.")] = None,
     speed: Annotated[str | None, _road(ROAD["speed"].unit, "Speed; also 72km/h.", default="20")] = None,
-    waviness: Annotated[str | None, _road("W", "Exponent of the spectrum, 1 to 4.", default="2")] = None,
+    waviness: Annotated[
+        str | None, _road("W", "Exponent of the spectrum, 1 to 4; W:W below and above a knee.", default="2")
+    ] = None,
+    knee: Annotated[str | None, _road("cycle/m", "Where the exponent changes.", default="0.16")] = None,
+    spectrum: Annotated[
+        Path | None,
+        _road("FILE", "Measured spectrum, a table of n (cycle/m) and G_d (m^3), in place of class and waviness."),
+    ] = None,
+    contact_length: Annotated[
+        str | None, _road("m", "Length over which a tyre levels the road out.", default="0")
+    ] = None,
     cutoff: Annotated[str | None, _road(ROAD["cutoff"].unit, "Low-wavenumber cut-off.", default="0")] = None,
     tracks: Annotated[
         str | None,
@@ -210,16 +223,60 @@ def road_from_options(
     given: dict[str, Any] = {
         name: measured(flag(name), text, ROAD[name], trust_units) for name, text in texts.items() if text is not None
     }
-    if waviness is not None:
-        given["waviness"] = number("--waviness", waviness)
+    if contact_length is not None:
+        given["contact_length"] = measured("--contact-length", contact_length, CONTACT, trust_units)
     if tracks is not None:
         given["tracks"] = tracks
     only = None if wheels is None else names([wheels])
     with refusals():
-        road = DEFAULT_ROAD
         if road_class is not None:
-            road = dataclasses.replace(road, roughness=Road.iso8608(road_class).roughness)
-        return dataclasses.replace(road, **given, delay=delay, wheels=only)
+            given["roughness"] = Road.iso8608(road_class).roughness
+        road = dataclasses.replace(DEFAULT_ROAD, **given, delay=delay, wheels=only)
+        return _surface(road, waviness, knee, spectrum, "roughness" in given)
+
+
+def _surface(road: "Road", waviness: str | None, knee: str | None, spectrum: Path | None, rough: bool) -> "Road":
+    """The same road on a surface of one or two exponents, or on a measured one."""
+    from ..roads.road import Road
+
+    exponents = [number("--waviness", text) for text in (waviness or "").split(":") if text]
+    if len(exponents) > 2:
+        raise Refusal(f"--waviness must be one exponent, or two such as 2:1.5, got {waviness!r}")
+    if knee is not None and len(exponents) != 2:
+        raise Refusal("--knee needs two exponents, such as --waviness 2:1.5")
+    surface: dict[str, Any] = {}
+    if spectrum is not None:
+        if rough or len(exponents) == 2:
+            raise Refusal("--spectrum says how rough the road is; pass no class, roughness or knee with it")
+        n, G = _spectrum(spectrum)
+        measured_road = Road.from_psd(n, G, exponents[0] if exponents else 2.0)
+        surface = {name: getattr(measured_road, name) for name in ("roughness", "waviness", "table")}
+    elif len(exponents) == 2:
+        at = {} if knee is None else {"knee": number("--knee", knee)}
+        bent = Road.two_slope(road.roughness, (exponents[0], exponents[1]), **at)
+        surface = {"waviness": bent.waviness, "table": bent.table}
+    elif exponents:
+        surface = {"waviness": exponents[0]}
+    return dataclasses.replace(road, **surface)
+
+
+def _spectrum(path: Path) -> "tuple[NDArray[np.float64], NDArray[np.float64]]":
+    """Wavenumbers and values of a file of two columns, with or without a line of names."""
+    import pandas as pd
+
+    try:
+        table = pd.read_csv(path, sep=None, engine="python", header=None, comment="#")
+    except (OSError, ValueError, UnicodeError) as error:
+        raise Refusal(f"--spectrum {path}: {error}") from None
+    if table.shape[1] != 2:
+        raise Refusal(f"--spectrum {path} must have two columns, n (cycle/m) and G_d (m^3), got {table.shape[1]}")
+    numbers = table.apply(pd.to_numeric, errors="coerce")
+    bad = numbers.isna().any(axis=1)
+    if bad.iloc[1:].any():
+        line = int(bad.iloc[1:].idxmax()) + 1
+        raise Refusal(f"--spectrum {path}, line {line}: needs two numbers, got {list(table.loc[line - 1])}")
+    known = numbers[~bad].to_numpy(dtype=float)
+    return known[:, 0], known[:, 1]
 
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON, SI units, in place of tables.")]

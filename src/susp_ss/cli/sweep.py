@@ -24,7 +24,7 @@ def run(
     road: "Road",
     store: Annotated[Path, typer.Option(metavar="FOLDER", help="Zarr store to write, or to resume.")],
     method: Annotated[
-        str, typer.Option(metavar="NAME", help="covariance: exact, for waviness 2; spectral: any waviness.")
+        str, typer.Option(metavar="NAME", help="covariance: exact; spectral: an integral over frequency.")
     ] = "covariance",
     scheduler: Annotated[
         str | None,

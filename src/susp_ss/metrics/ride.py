@@ -87,7 +87,7 @@ def ride_metrics(
     >>> road = Road.iso8608("B", speed=speeds, tracks="isotropic")
     >>> felt = ride_metrics(FullCar(), road, weighting="Wk", points={"driver": (0.3, 0.4)}).bacc.sel(point="driver")
     >>> felt.round(2).values.tolist()
-    [0.31, 0.41, 0.46]
+    [0.41, 0.58, 0.67]
     """
     check_kinds(vehicle, road)
     if points is not None:

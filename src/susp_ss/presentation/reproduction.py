@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fit.fitting import Fit
+from ..roads.road import Road
 from ..study.feasibility import Study
 
 
@@ -26,10 +27,8 @@ def study_code(study: Study) -> str:
             roughness=6.4e-05,
             speed=20.0,
             waviness=2.0,
-            cutoff=0.0,
             tracks='isotropic',
             delay=True,
-            wheels=None,
         ),
         corner='fr',
         nodes=(3, 3),
@@ -61,18 +60,26 @@ def study_command(study: Study) -> str | None:
         --out results
     """
     road, (springs, dampers) = study.road, study.nodes
-    if springs != dampers or not study.as_published:
+    if springs != dampers or not study.as_published or type(road) is not Road or len(road.table) > 1:
         return None
     wheels = "" if road.wheels is None else f" --wheels {','.join(road.wheels)}"
     return " \\\n    ".join(
         [
             f"susp-ss study --roughness {road.roughness!r} --speed {road.speed!r}",
-            f"--waviness {road.waviness!r} --cutoff {road.cutoff!r}",
+            f"{_surface(road)} --cutoff {road.cutoff!r}",
             f"--tracks {road.tracks} --{'' if road.delay else 'no-'}delay{wheels}",
             f"--corner {study.corner} --nodes {springs} --{'nonnegative' if study.nonnegative else 'free'}",
             "--out results",
         ]
     )
+
+
+def _surface(road: Road) -> str:
+    contact = f" --contact-length {road.contact_length!r}" if road.contact_length else ""
+    if not road.table:
+        return f"--waviness {road.waviness!r}{contact}"
+    below, above = road.slopes
+    return f"--waviness {below!r}:{above!r} --knee {road.table[0][0]!r}{contact}"
 
 
 def fit_code(fit: Fit) -> str:
@@ -101,5 +108,8 @@ def _call(name: str, arguments: dict[str, Any]) -> str:
 def _code(value: Any) -> str:
     if dataclasses.is_dataclass(value):
         fields = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+        defaults = {field.name: field.default for field in dataclasses.fields(value)}
+        # What is nothing, and is so by default, goes without saying.
+        fields = {name: x for name, x in fields.items() if x or defaults[name]}
         return _call(type(value).__name__, fields)
     return repr(value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value)

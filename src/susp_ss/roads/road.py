@@ -94,7 +94,9 @@ class Road:
             if isinstance(value, str) and value in CLASSES:
                 raise TypeError(f"{where} got {value!r}; a class is Road.iso8608({value!r})")
             object.__setattr__(self, name, checked(value, where, quantity))
-        ends = self.waviness if isinstance(self.waviness, tuple) else (self.waviness,)
+        # As JSON gives them back, rows are lists.
+        object.__setattr__(self, "table", tuple((float(n), float(G)) for n, G in self.table))
+        ends = tuple(self.waviness) if isinstance(self.waviness, (tuple, list)) else (self.waviness,)
         ends = tuple(_number("waviness", value, "> 1 and < 4") for value in ends)
         if not all(1.0 < value < 4.0 for value in ends) or len(ends) != (2 if self.table else 1):
             raise ValueError(f"Road(waviness=...) must be > 1 and < 4, got {briefly(self.waviness)}")

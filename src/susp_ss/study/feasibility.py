@@ -399,11 +399,7 @@ def _timed(run: Callable[[], Any]) -> tuple[Any, float]:
 def _check(road: Any, corner: Any, nonnegative: Any, car: Any) -> None:
     if not isinstance(road, Road):
         raise TypeError(f"road must be a Road, such as Road.iso8608('B', speed=20.0), got {briefly(road)}")
-    if road.waviness != 2.0:
-        raise ValueError(
-            f"feasibility_study needs a road of waviness 2, got {road.waviness:g}; scan_scenarios takes other "
-            "waviness on a coarser grid"
-        )
+    road.single("feasibility_study")
     if not isinstance(car, Vehicle):
         raise TypeError(f"vehicle must be a vehicle, such as FullCar(), got {briefly(car)}")
     if not {"mb", *CARRIED} <= set(car.quantities()) or len(car.wheels) < 2:

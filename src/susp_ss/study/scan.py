@@ -27,7 +27,7 @@ from ..vehicles.full import FullCar
 from ..vehicles.quarter import QuarterCar
 from .feasibility import by_criterion, checked_nodes, coefficients_of, designs, fit_criterion, grid
 from .published import ACCURACY, COEFFICIENTS, CRITERIA, comparison, published, usable
-from .tabulated import DEGREE, Tabulated
+from .tabulated import Tabulated
 
 Entries = dict[tuple[str, str, str], float]
 """Values of the tables by (surrogate, criterion, quantity)."""
@@ -47,10 +47,8 @@ FITS = {"free": False, "nonnegative": True}
 # Point of BAcc, and corner of SWS and DTL.
 PLACES = {"fr": ("fr", "fr"), "rr": ("rr", "rr"), "BAcc cg, fr": ("cg", "fr"), "BAcc cg, rr": ("cg", "rr")}
 
-# Waviness other than 2 is integrated design by design: all wheels at one speed without cut-off, on a coarse grid.
-SPECTRAL = ((20.0, 2.5, 0.0),)  # speed, waviness, cut-off
-SPECTRAL_NODES = (4, 4)
-SPECTRAL_DEGREE = 12
+# Waviness other than 2, where all wheels see the road.
+OTHERS = ((20.0, 2.5, 0.0),)  # speed, waviness, cut-off
 
 FACTORS = ["excited", "tracks", "delay", "speed", "waviness", "cutoff", "place", "road_class", "fit"]
 DEFAULT = ("all wheels", "isotropic", "on", 20.0, 2.0, 0.0, "fr", "B", "free")
@@ -126,7 +124,7 @@ def scan_scenarios(nodes: tuple[int, int] = (10, 10), progress: bool = False) ->
     Parameters
     ----------
     nodes : (int, int)
-        Springs and dampers on the grid of every scenario of waviness 2; the others use 4 x 4.
+        Springs and dampers on the grid of every scenario.
     progress : bool
         Show progress on stderr.
 
@@ -142,18 +140,14 @@ def scan_scenarios(nodes: tuple[int, int] = (10, 10), progress: bool = False) ->
     >>> ", ".join(FACTORS)
     'excited, tracks, delay, speed, waviness, cutoff, place, road_class, fit'
     """
-    size = checked_nodes(nodes)
+    X = designs(*grid(*checked_nodes(nodes)))
     cases = list(_roads())
     rows: list[dict[str, Any]] = []
     known = _published_entries()
     quarter_cars: dict[tuple[float, float, float], dict[str, Tabulated]] = {}
     for labels, road in tracked(cases, "scenarios", progress):
-        spectral = road.waviness != 2.0
-        ks, cs = grid(*(SPECTRAL_NODES if spectral else size))
-        X = designs(ks, cs)
         try:
-            cars = FullCar(ks=X[:, 0], cs=X[:, 1])
-            metrics = ride_metrics(cars, road, method="spectral" if spectral else "covariance")
+            metrics = ride_metrics(FullCar(ks=X[:, 0], cs=X[:, 1]), road)
         except ValueError as error:
             rows += [labels | scenario | {"refused": str(error)} for scenario in _variants()]
             continue
@@ -189,7 +183,7 @@ def _roads() -> Iterator[tuple[dict[str, Any], Road]]:
                 "delay": ("on" if delay else "off") if len(delays) > 1 else "any",
             }
             choices = [(speed, 2.0, cutoff) for speed, cutoff in itertools.product(SPEEDS, CUTOFFS)]
-            choices += SPECTRAL if wheels is None else ()
+            choices += OTHERS if wheels is None else ()
             for speed, waviness, cutoff in choices:
                 road = Road.iso8608(
                     "B", speed=speed, waviness=waviness, cutoff=cutoff, tracks=track, delay=delay, wheels=wheels
@@ -217,16 +211,13 @@ class _Criterion:
 
 
 def _quarter_car(road: Road, X: NDArray) -> dict[str, Tabulated]:
-    spectral = road.waviness != 2.0
-
     @functools.cache
     def evaluate(nodes: bytes, masses: bytes) -> xr.DataArray:
         ks, cs = np.frombuffer(nodes).reshape(-1, 2).T
         car = QuarterCar(ms=np.frombuffer(masses), ks=ks, cs=cs)
-        return by_criterion(ride_metrics(car, road, method="spectral" if spectral else "covariance"))
+        return by_criterion(ride_metrics(car, road))
 
-    degree = SPECTRAL_DEGREE if spectral else DEGREE
-    return {criterion: Tabulated(_Criterion(criterion, evaluate), X, degree) for criterion in CRITERIA}
+    return {criterion: Tabulated(_Criterion(criterion, evaluate), X) for criterion in CRITERIA}
 
 
 def _compared(

@@ -299,14 +299,15 @@ class Vehicle:
             raise ValueError(f"input must be 'displacement' or 'velocity', got {briefly(input)}")
         model = self.single("state_space()")
         layout, table = model.layout, model.layout.outputs
-        rows = slice(len(table)) if actuators else table.public
-        outputs = table.names[rows]
+        seen = {"sws_rate"} if actuators else set()
+        rows = [i for i, row in enumerate(table.rows) if row.public or row.quantity.name in seen]
+        outputs = tuple(table.names[i] for i in rows)
         if input == "velocity":
             A, B, Y, D = model.velocity_form()
             states, inputs = layout.relative_states, tuple(f"d{name}" for name in layout.inputs)
         else:
             A, B, Y, D, D1 = model.displacement_form()
-            improper = [name for name, row in zip(outputs, D1, strict=False) if np.any(row)]
+            improper = [name for name, row in zip(outputs, D1[rows], strict=True) if np.any(row)]
             if improper:
                 raise ValueError(
                     f"{', '.join(improper)}: no state space from the displacement of the road exists, as its velocity "
