@@ -64,7 +64,7 @@ def markdown(cases, names, runs, by_designs, by_outputs, load, took):
         "Each figure is the median of 5 runs after a warm-up, of 3 from 10^6 designs; 10^7 designs are run once. "
         "A dash: not run, since a tenth as many designs took more than 0.2 s a run. "
         "One BLAS thread, and one processor for all but ours in compiled code, which takes every processor: from "
-        f"{MANY:,} designs by matrices (unequal corners, rigid tyre) and from {PLENTY:,} of the other vehicles.",
+        f"{MANY:,} full cars with unequal corners and from {PLENTY:,} designs of the others; rigid tyres never.",
         "",
     ]
     for case in cases:

@@ -95,6 +95,14 @@ def delay(vehicle: RoadVehicle, road: Road) -> Any:
     return vehicle.wheelbase / road.speed
 
 
+def steep(process: Process, road: Road) -> bool:
+    """Whether even the change of a process over a delay has no finite variance: from waviness 3 on, without a cut-off.
+
+    Where tracks cohere at long waves, their difference has one.
+    """
+    return road.slopes[0] >= 3.0 and process.sign == 0 and not np.all(np.asarray(road.cutoff) > 0.0)
+
+
 def check_stationary(vehicle: RoadVehicle, road: Road, model: Model) -> None:
     """Say when a vehicle on a road has no stationary response.
 
@@ -111,8 +119,7 @@ def check_stationary(vehicle: RoadVehicle, road: Road, model: Model) -> None:
         return
     for process in processes(vehicle, road):
         at_once, drift = integrated(model, process)
-        # Delayed independent tracks leave a difference whose spectrum still diverges from waviness 3 on.
-        diverges = (at_once != 0.0) & (road.slopes[0] >= 3.0 and process.sign == 0)
+        diverges = (at_once != 0.0) & steep(process, road)
         which = np.any((drift != 0.0) | diverges, axis=tuple(range(drift.ndim - 1)))
         if which.any():
             raise ValueError(

@@ -19,6 +19,7 @@ from ..metrics.in_memory import template
 from ..quantities import ROAD, briefly, signal
 from ..responses.excitation import check_kinds
 from ..roads.road import Road
+from ..vehicles.contract import RoadVehicle
 from ..vehicles.files import entry, model_name
 from ..vehicles.vehicle import Vehicle
 
@@ -36,7 +37,7 @@ class Task(NamedTuple):
 
     region: Region
     block: xr.Dataset
-    frame: Vehicle
+    frame: RoadVehicle
     road: Road
     how: dict[str, Any]
     outputs: tuple[str, ...]
@@ -56,7 +57,7 @@ class Plan:
     chunk along each axis, and ``asked`` everything that decides the numbers of a store, as text by name.
     """
 
-    frame: Vehicle
+    frame: RoadVehicle
     arrays: xr.Dataset
     road: Road
     method: str

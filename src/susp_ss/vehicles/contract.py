@@ -154,6 +154,10 @@ class RoadVehicle(ABC):
         """The mean of left and right, and half their difference; none where they do not part."""
 
     @abstractmethod
+    def whole(self) -> Any:
+        """All struts on a rigid body; None of what is more, or else."""
+
+    @abstractmethod
     def damping(self) -> Array:
         """Damping rate at every corner of a flattened vehicle, (corners,) or (designs, corners)."""
 

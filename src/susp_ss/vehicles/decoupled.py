@@ -1,8 +1,8 @@
-"""A left-right symmetric linkage as separate problems: the mean of its two sides, and half their difference.
+"""A linkage as struts on a rigid body: whole, or as the mean of its two sides and half their difference.
 
-Each half is one or two struts joined by a rigid body. The mean of left and right heaves and pitches, the half
-difference rolls; neither feels the other. The halves are read off the linkage itself, so that whatever has none
-(unequal sides, a seat, a rigid tyre) is known by what it is.
+Where left and right are alike, the mean of both heaves and pitches, the half difference rolls, neither feels the other,
+and each half is one or two struts joined by a body. All is read off the linkage itself, so that whatever has no halves
+(unequal sides), or is more than struts on a rigid body (a seat, a rigid tyre), is known by what it is.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..quantities import signal
-from .linkage import Corner, Linkage, Wheel
+from .linkage import Corner, Linkage, Motion, Wheel
 
 
 class Strut(NamedTuple):
@@ -33,25 +34,26 @@ class BodyMode(NamedTuple):
     arms: tuple[Any, ...]
 
 
-class Half(NamedTuple):
-    """Struts by the corners that they stand for, and the body coordinates that they move.
+class OnStruts(NamedTuple):
+    """Struts by the corners that they stand for, bars between two of them, and the body coordinates that they move.
 
-    ``points`` are the body's accelerations by name, each with its share of every coordinate; those of the mounts are
-    the rows of `compliance`.
+    ``points`` are the body's accelerations by name, each with its share of every coordinate.
     """
 
     struts: dict[tuple[str, ...], Strut]
+    bars: dict[tuple[tuple[str, ...], ...], Any]
     body: dict[str, BodyMode]
     points: dict[str, dict[str, Any]]
 
-    def select(self, designs: slice) -> Half:
-        """The same half of some of the designs."""
+    def select(self, designs: slice | NDArray[np.int_]) -> OnStruts:
+        """The same of some of the designs."""
 
         def some(x: Any) -> Any:
             return x[designs] if isinstance(x, np.ndarray) else x
 
-        return Half(
+        return OnStruts(
             {name: Strut._make(map(some, strut)) for name, strut in self.struts.items()},
+            {pair: some(stiffness) for pair, stiffness in self.bars.items()},
             {name: BodyMode(some(mode.mobility), tuple(map(some, mode.arms))) for name, mode in self.body.items()},
             {name: {mode: some(share) for mode, share in shares.items()} for name, shares in self.points.items()},
         )
@@ -70,13 +72,30 @@ class Half(NamedTuple):
         return total
 
 
-def halves(linkage: Linkage, wheels: Mapping[str, Wheel]) -> tuple[Half, ...]:
+def whole(linkage: Linkage) -> OnStruts | None:
+    """All struts on their body, each for its own corner; None where there is more than struts on a rigid body."""
+    body = _body(linkage)
+    if body is None or len(linkage.corners) < len(body):
+        return None
+    return OnStruts(
+        {(name,): strut for name, strut in _struts(linkage).items()},
+        {tuple((name,) for name in pair): stiffness for pair, stiffness in linkage.bars.items()},
+        {
+            name: BodyMode(1.0 / inertia, tuple(_arm(corner, name) for corner in linkage.corners.values()))
+            for name, inertia in body.items()
+        },
+        _shares(_accelerations(linkage), list(body)),
+    )
+
+
+def halves(linkage: Linkage, wheels: Mapping[str, Wheel]) -> tuple[OnStruts, ...]:
     """The mean of left and right, then half their difference; the mean alone on one track; none without such a split.
 
     A single track splits into nothing, and is its own mean. Two sides split where every axle has both, and the same
-    values on both.
+    values on both. The accelerations of the mounts, the rows of `OnStruts.compliance`, are not among the points.
     """
-    if linkage.links or linkage.more or any(corner.wheel is None for corner in linkage.corners.values()):
+    inertias = _body(linkage)
+    if inertias is None:
         return ()
     axles: list[tuple[str, ...]]
     if not any(wheel.side for wheel in wheels.values()):
@@ -89,17 +108,20 @@ def halves(linkage: Linkage, wheels: Mapping[str, Wheel]) -> tuple[Half, ...]:
     if len(axles) > 2 or not set(linkage.bars) <= set(axles):
         return ()
 
-    masses = {name: mass for motion, mass in linkage.masses.items() for name in motion.terms}
-    struts = {name: _strut(corner, masses) for name, corner in linkage.corners.items()}
-    ridden = {name for corner in linkage.corners.values() if corner.wheel for name in corner.wheel.terms}
-    parity = {name: _parity(name, linkage, axles) for name in masses if name not in ridden}
+    struts = _struts(linkage)
+    parity = {name: _parity(name, linkage, axles) for name in inertias}
     if None in parity.values() or any(not _same(*(struts[name] for name in axle)) for axle in axles):
         return ()
 
-    def half(odd: bool) -> Half:
+    mounts = {id(corner.mount) for corner in linkage.corners.values()}
+    points = {name: motion for name, motion in _accelerations(linkage).items() if id(motion) not in mounts}
+
+    def half(odd: bool) -> OnStruts:
         coordinates = [name for name, is_odd in parity.items() if is_odd is odd]
         body = {
-            name: BodyMode(len(axles[0]) / masses[name], tuple(_arm(linkage.corners[axle[-1]], name) for axle in axles))
+            name: BodyMode(
+                len(axles[0]) / inertias[name], tuple(_arm(linkage.corners[axle[-1]], name) for axle in axles)
+            )
             for name in coordinates
         }
         stiffened = {
@@ -108,15 +130,30 @@ def halves(linkage: Linkage, wheels: Mapping[str, Wheel]) -> tuple[Half, ...]:
             else struts[axle[-1]]
             for axle in axles
         }
-        return Half(stiffened, body, _points(linkage, coordinates))
+        return OnStruts(stiffened, {}, body, _shares(points, coordinates))
 
     return (half(False), half(True)) if len(axles[0]) == 2 else (half(False),)
 
 
-def _strut(corner: Corner, masses: Mapping[str, Any]) -> Strut:
-    assert corner.wheel is not None
-    (wheel,) = corner.wheel.terms
-    return Strut(masses[wheel], corner.ks, corner.cs, corner.kt, corner.ct)
+def _body(linkage: Linkage) -> dict[str, Any] | None:
+    """Inertia of each of the body's coordinates; None where there is more than struts on a rigid body."""
+    wheels = [corner.wheel for corner in linkage.corners.values() if corner.wheel and len(corner.wheel.terms) == 1]
+    if linkage.links or linkage.more or len(wheels) < len(linkage.corners):
+        return None
+    ridden = {name for wheel in wheels for name in wheel.terms}
+    masses = {name: mass for motion, mass in linkage.masses.items() for name in motion.terms}
+    body = {name: mass for name, mass in masses.items() if name not in ridden}
+    fixed = [*_accelerations(linkage).values(), *(corner.mount for corner in linkage.corners.values())]
+    return body if all(motion.terms.keys() <= body.keys() for motion in fixed) else None
+
+
+def _struts(linkage: Linkage) -> dict[str, Strut]:
+    masses = {name: mass for motion, mass in linkage.masses.items() for name in motion.terms}
+    wheels = {name: next(iter(corner.wheel.terms)) for name, corner in linkage.corners.items() if corner.wheel}
+    return {
+        name: Strut(masses[wheels[name]], corner.ks, corner.cs, corner.kt, corner.ct)
+        for name, corner in linkage.corners.items()
+    }
 
 
 def _same(one: Strut, *others: Strut) -> bool:
@@ -142,12 +179,15 @@ def _parity(coordinate: str, linkage: Linkage, axles: list[tuple[str, ...]]) -> 
     return True if all(_equal(one, -other) for one, *others in arms for other in others) else None
 
 
-def _points(linkage: Linkage, coordinates: list[str]) -> dict[str, dict[str, Any]]:
-    """Shares of these coordinates in every acceleration but those of the mounts, where there are any."""
-    mounts = {id(corner.mount) for corner in linkage.corners.values()}
-    motions = {signal("bacc", place): motion for place, motion in linkage.points.items() if id(motion) not in mounts}
+def _accelerations(linkage: Linkage) -> dict[str, Motion]:
+    """The body's accelerations by the names of outputs."""
+    return {**{signal("bacc", place): motion for place, motion in linkage.points.items()}, **linkage.rotations}
+
+
+def _shares(motions: Mapping[str, Motion], coordinates: list[str]) -> dict[str, dict[str, Any]]:
+    """Shares of these coordinates in motions, where there are any."""
     shares = {
         name: {coordinate: motion.terms[coordinate] for coordinate in coordinates if coordinate in motion.terms}
-        for name, motion in {**motions, **linkage.rotations}.items()
+        for name, motion in motions.items()
     }
     return {name: share for name, share in shares.items() if share}

@@ -205,6 +205,9 @@ class LinearVehicle(RoadVehicle):
         """None: nothing is known of its sides."""
         return ()
 
+    def whole(self) -> None:
+        """None: nothing is known of its struts."""
+
     def damping(self) -> Array:
         """Damping rate at every corner, as far as it is known."""
         return self._model.damping

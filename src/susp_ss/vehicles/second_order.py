@@ -215,9 +215,11 @@ class SecondOrder:
         """Whether no link is stretched by road heights that stand still, but for their warp.
 
         So it is where every spring joins what the road carries. A stiffness that was added to a copy keeps this only
-        with its share of ``K_in``: ``dK_in = dK G``.
+        with its share of ``K_in``: ``dK_in = dK G``. Where more than one warp sets wheels apart, this holds for none.
         """
-        if self.damped is not None:
+        wheels = np.count_nonzero(self.suspensions != self.tyres)
+        warps = len(self.layout.corners) + wheels - len(self.layout.coordinates)
+        if self.damped is not None and warps <= (self.warp is not None):
             return True
         static = self.R @ self.G + self.N
         rest = static - (0.0 if self.warp is None else self.warped[..., None] * self.warp)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..quantities import PARAMETERS, Quantity, briefly, signal
 from .contract import RoadVehicle
-from .decoupled import Half, halves
+from .decoupled import OnStruts, halves, whole
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
 from .points import checked_points, with_points
@@ -240,13 +240,17 @@ class Vehicle(RoadVehicle):
         """Damping rate at every corner of a flattened vehicle, (corners,) or (designs, corners)."""
         return np.stack(np.broadcast_arrays(*(corner.cs for corner in self.linkage().corners.values()))).T
 
-    def halves(self) -> tuple[Half, ...]:
+    def halves(self) -> tuple[OnStruts, ...]:
         """The mean of left and right, and half their difference, of a flattened vehicle.
 
         There are none where the sides differ, and none of a kind of vehicle that has matrices of its own: its linkage
         does not answer for them.
         """
         return halves(self.linkage(), self.wheels) if type(self).assemble is Vehicle.assemble else ()
+
+    def whole(self) -> OnStruts | None:
+        """All struts on the rigid body of a flattened vehicle; None of one that is more, or has matrices of its own."""
+        return whole(self.linkage()) if type(self).assemble is Vehicle.assemble else None
 
     @classmethod
     @cache

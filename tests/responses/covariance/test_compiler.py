@@ -16,10 +16,10 @@ PROGRAM = """
 import sys
 import numba, numpy as np
 before = numba.config.CACHE_DIR
-from susp_ss.responses.covariance import compiler, matrices_numba
-A, rows = np.array([[2.0, 1.0], [4.0, 1.0]]), np.zeros(2, dtype=np.int64)
-matrices_numba.factorise(A, rows)
-assert (A == [[4.0, 1.0], [0.5, 0.5]]).all() and numba.config.CACHE_DIR == before
+from susp_ss.responses.covariance import compiler, struts_numba
+out = np.empty((2, 3, 4))
+struts_numba.weighted(np.ones((2, 3, 4, 5)), np.array([1.0, 2.0]), 1, 2, out)
+assert (out == 3.0).all() and numba.config.CACHE_DIR == before
 sys.path.insert(0, sys.argv[1])
 import own
 assert own.twice(2) == 4
@@ -50,7 +50,7 @@ def test_compiled_code_goes_to_the_user_s_cache(kept, tmp_path):
     folder, files = kept()
     assert folder.is_relative_to(tmp_path)
     ours = {path for path in files if (tmp_path / path).is_relative_to(folder)}
-    assert {path.name.partition("-")[0] for path in ours} == {"matrices_numba.factorise"}
+    assert {path.name.partition("-")[0] for path in ours} == {"struts_numba.weighted"}
     assert {path.parent.name for path in files - ours} == {"__pycache__"}
 
 
@@ -88,7 +88,7 @@ def test_without_numba_the_plain_kernels_answer(vehicle, missing, monkeypatch):
     expected = ss.ride_metrics(vehicle, ss.Road())
     monkeypatch.setattr(routes, "PLENTY", 1)
     monkeypatch.setattr(routes, "MANY", 1)
-    missing("numba", loaded_by=[f"{routes.__package__}.{name}_numba" for name in ("polynomials", "matrices")])
+    missing("numba", loaded_by=[f"{routes.__package__}.{name}_numba" for name in ("polynomials", "struts")])
     with pytest.warns(UserWarning, match=r"a few times as long without numba; run .*\[fast\]") as warned:
         found = ss.ride_metrics(vehicle, ss.Road())
     assert len(warned) == 1

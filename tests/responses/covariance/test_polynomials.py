@@ -12,7 +12,8 @@ import models
 import oracles
 import susp_ss as ss
 from models import ROADS, VEHICLES, WHEEL_ROADS
-from susp_ss.responses.covariance import polynomials, routes, symmetric
+from susp_ss.responses.covariance import polynomials, routes
+from susp_ss.vehicles.vehicle import Vehicle
 
 ENGINE = "susp_ss.responses.covariance.routes"
 
@@ -23,9 +24,10 @@ def variances_of(vehicle, road):
 
 
 def by_matrices(vehicle, road):
-    """The same variances where no vehicle is split."""
+    """The same variances where no vehicle is on struts."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(symmetric, "problems", lambda *_: [])
+        patch.setattr(Vehicle, "halves", lambda _: ())
+        patch.setattr(Vehicle, "whole", lambda _: None)
         return variances_of(vehicle, road)
 
 

@@ -198,6 +198,8 @@ def applied(p: Array, derivatives: Array) -> Array:
 def decaying(g: Array, alphas: Array, first: int, count: int) -> Array:
     """Derivatives of ``sum g e^(-alpha t)`` at 0, of orders first to count - 1; zeros before."""
     out = np.zeros((count, g.shape[1]), dtype=g.dtype)
+    if len(g) == 0:
+        return out
     term = g * (-alphas) ** first
     for k in range(first, count):
         out[k] = term.sum(axis=0)
@@ -207,6 +209,8 @@ def decaying(g: Array, alphas: Array, first: int, count: int) -> Array:
 
 def value(p: Array, s: Array) -> Array:
     """``p(s)`` at s (J, N), J a column of p."""
+    if len(s) == 0:
+        return s
     out = p[-1] + 0.0 * s
     for i in range(len(p) - 2, -1, -1):
         out = out * s + p[i]
@@ -235,10 +239,9 @@ def routh(D: Array, density: Array) -> Array:
         right[i + 1] = -factor * right[i]
     derivatives = np.zeros((n, D.shape[1]), dtype=D.dtype)
     for e in range(n):
-        row, rest = table[n - e], right[n - e].copy()
-        for j in range(1, e // 2 + 1):
-            rest -= row[j] * derivatives[e - j]
-        derivatives[e] = rest / row[0]
+        row, known = table[n - e], e // 2
+        rest = (row[1 : known + 1] * derivatives[e - known : e][::-1]).sum(axis=0)
+        derivatives[e] = (right[n - e] - rest) / row[0]
     return derivatives
 
 
@@ -318,9 +321,12 @@ def fading(colours: Colours, both: Array, rolls: bool) -> Array:
     return gone / colours.alphas if rolls else gone * colours.alphas**3
 
 
-def faded(g: Array, past: Array, alphas: Array, rolls: bool) -> Array:
-    """Derivatives 0 to 14 at the delay of ``sum g e^(-alpha t)``; where the body rolls, less value and slope at 0."""
-    later = decaying(g * np.exp(-past), alphas, 2 if rolls else 0, 15)
+def faded(g: Array, past: Array, alphas: Array, rolls: bool, count: int) -> Array:
+    """Derivatives of orders below count, at the delay, of ``sum g e^(-alpha t)``.
+
+    Where the body rolls they come without value and slope at 0.
+    """
+    later = decaying(g * np.exp(-past), alphas, 2 if rolls else 0, count)
     if rolls:
         later[0] += (g * (np.expm1(-past) + past)).sum(axis=0)
         later[1] -= (g * alphas * np.expm1(-past)).sum(axis=0)
@@ -449,7 +455,7 @@ def two_struts(struts: Array, body: Body, road: Track, delay: Delay, damped: boo
         g, h = fading(real_colours, real_both, rolls), fading(swinging_colours, swinging_both, rolls)
         first = 2 if rolls else 0
         now = decaying(g, real, first, 13) + decaying(h, swinging, first, 13).real
-        then = faded(g, real * delay.tau, real, rolls) + faded(h, swinging * delay.tau, swinging, rolls).real
+        then = faded(g, real * delay.tau, real, rolls, 15) + faded(h, swinging * delay.tau, swinging, rolls, 15).real
         later = carried(A, zero, now, then, delay)
         P1, P2 = product(a1, reflected(b1)), product(b2, reflected(a2))
         ahead, behind = product(a1, reflected(a2)), product(reflected(b1), b2)

@@ -2,16 +2,17 @@
 
 - Designs that fall into halves (left and right alike, struts on a rigid body) go by polynomials (`symmetric`), a block
   of them at a time: a microsecond or two each.
-- The rest, and those that would lose digits there, take the Lyapunov equation of their matrices: in batches
-  (`matrices`), some hundred microseconds each, or once they are very many design by design in compiled code on every
-  processor (`matrices_numba`), some tens of microseconds; without a compiler in batches, too.
+- Other struts on a rigid body, four unequal corners with their bars, go by polynomials of a higher degree (`whole`):
+  some thirty microseconds each, a third of that once they are many enough to be worth compiling.
+- The rest, and those that would lose digits there, take the Lyapunov equation of their matrices in batches
+  (`matrices`): some hundred microseconds each.
 
-What a way needs is stated by the vehicle (`Vehicle.halves`) or by its matrices; what lacks it takes the next. The
-choice shows in nothing but time. Against 80-bit arithmetic, over a thousand random full cars each on isotropic tracks,
-polynomials err by at most 3e-13 with parameters within a factor 2 of a car's, 2e-10 over two decades of every mass and
-stiffness, 2e-8 over three (99 % below 1e-9), and 3e-9 with damping down to a millionth. Designs beyond the bounds of
-`symmetric` are computed in two systems of units; those that differ go to matrices, which measure their own error, and
-what keeps fewer than six digits there is refused.
+What a way needs is stated by the vehicle (`Vehicle.halves`, `Vehicle.whole`) or by its matrices; what lacks it takes
+the next. The choice shows in nothing but time. Against 80-bit arithmetic, over a thousand random full cars each on
+isotropic tracks, polynomials err by at most 3e-13 with parameters within a factor 2 of a car's, 2e-10 over two decades
+of every mass and stiffness, 2e-8 over three (99 % below 1e-9), and 3e-9 with damping down to a millionth. Designs
+beyond the bounds of `digits` are computed in two systems of units; those that differ go to matrices, which measure
+their own error, and what keeps fewer than six digits there is refused.
 """
 
 from __future__ import annotations
@@ -23,15 +24,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...roads.colours import colours
 from ...roads.road import Road
 from ...vehicles.contract import Model, RoadVehicle
 from ...vehicles.parameters import DesignSpace
-from ..excitation import Process, check_stationary, delay, infinite_outputs, processes, vanishing_outputs
-from . import polynomials
+from ..excitation import Process, processes, vanishing_outputs
+from . import polynomials, struts
 from .compiler import compiler_found
 from .matrices import BATCH, batches, lost_digits, moments
 from .symmetric import symmetric_variances
+from .whole import whole_variances
 
 Array = NDArray[np.float64]
 
@@ -41,13 +42,11 @@ LOST, SOUND = 1e-6, 1e-12
 
 # Designs of one block: its polynomials then stay near the processor. Compiled code keeps them there by itself.
 BLOCK, LONG_BLOCK = 2048, 8192
+STRUTS_BLOCK, LONG_STRUTS_BLOCK = 1000, 2000
 
-# Symmetric designs, and designs by matrices, from which loading the compiler (a second; at first use on a machine ten
-# to thirty) is repaid.
+# Symmetric designs, and other struts on a body, from which loading the compiler (a second; at first use on a machine
+# ten to thirty) is repaid.
 PLENTY, MANY = 1_000_000, 50_000
-
-# Designs by matrices that a thread takes at a time.
-SHARE = 512
 
 
 def covariance_variances(flat: RoadVehicle, space: DesignSpace, road: Road, designs: int = 1) -> Array:
@@ -55,31 +54,9 @@ def covariance_variances(flat: RoadVehicle, space: DesignSpace, road: Road, desi
 
     These may be part of a sweep of more ``designs``, whose number decides what is worth compiling.
     """
-    halves = flat.halves()
     variances = np.empty((len(flat.layout().outputs), space.size))
-    left = np.zeros(space.size, dtype=bool)
-
-    def solve(block: slice, kernels: Any = polynomials) -> None:
-        some, size = [half.select(block) for half in halves], block.stop - block.start
-        here = flat.select(block), road.select(block)
-        variances[:, block], left[block] = symmetric_variances(some, *here, size, kernels)
-
-    if max(designs, space.size) < PLENTY or not halves or not compiler_found():
-        for block in _blocks(space.size, BLOCK):
-            solve(block)
-    else:
-        from . import polynomials_numba
-
-        first, *others = _blocks(space.size, LONG_BLOCK)
-        # What has yet to be compiled is compiled here, where an interrupt reaches it.
-        solve(first, polynomials_numba)
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(lambda block: solve(block, polynomials_numba), others))
-    by_matrices = np.flatnonzero(left)
-    second_order = flat.select(slice(0, 1)).assemble().second_order
-    if len(by_matrices) >= MANY and second_order and not road.velocity_is_bounded and compiler_found():
-        by_matrices = _compiled(flat, road, by_matrices, variances)
-    for chosen in batches(by_matrices, BATCH):
+    left = _by_polynomials(flat, road, max(designs, space.size), variances)
+    for chosen in batches(np.flatnonzero(left), BATCH):
         model, X, error, through, infinite = moments(flat, space, road, chosen, LOST)
         Y = model.velocity_form()[2]
         variance = through + np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
@@ -92,6 +69,40 @@ def covariance_variances(flat: RoadVehicle, space: DesignSpace, road: Road, desi
             raise lost_digits(flat, space, int(chosen[np.argmax(lost)]))
         variances[:, chosen] = values.T
     return variances.T
+
+
+def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Array) -> NDArray[np.bool_]:
+    """Fill in the variances (outputs, N) of what goes by polynomials; say which designs (N,) are left to matrices."""
+    halves, size = flat.halves(), variances.shape[1]
+    whole, left = None if halves else flat.whole(), np.ones(size, dtype=bool)
+    if not halves and whole is None:
+        return left
+    plenty, block, long = (PLENTY, BLOCK, LONG_BLOCK) if halves else (MANY, STRUTS_BLOCK, LONG_STRUTS_BLOCK)
+    compiled = designs >= plenty and compiler_found()
+    kernels: Any = polynomials if halves else struts
+    if compiled:
+        from . import polynomials_numba, struts_numba
+
+        kernels = polynomials_numba if halves else struts_numba
+
+    def solve(part: slice) -> None:
+        here = flat.select(part), road.select(part), part.stop - part.start, kernels
+        if whole is None:
+            found = symmetric_variances([half.select(part) for half in halves], *here)
+        else:
+            found = whole_variances(whole.select(part), *here)
+        variances[:, part], left[part] = found
+
+    first, *others = _blocks(size, long if compiled else block)
+    # What has yet to be compiled is compiled here, where an interrupt reaches it.
+    solve(first)
+    if compiled:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(solve, others))
+    else:
+        for part in others:
+            solve(part)
+    return left
 
 
 def _blocks(size: int, length: int) -> list[slice]:
@@ -116,46 +127,3 @@ def _seen(
         still = vanishing_outputs(model, excited)
         variance, kept = np.where(still, 0.0, variance), kept | still
     return np.where(infinite, np.inf, variance), ~np.all(kept, axis=-1)
-
-
-def _compiled(flat: RoadVehicle, road: Road, designs: NDArray[np.int_], variances: Array) -> NDArray[np.int_]:
-    """Fill in the variances (outputs, N) of some designs on every processor; return those that lost digits."""
-    from . import matrices_numba
-
-    excited = processes(flat, road)
-    now, later = np.stack([process.now for process in excited]), np.stack([process.later for process in excited])
-
-    def solve(chosen: NDArray[np.int_]) -> NDArray[np.int_]:
-        some, here, N = flat.select(chosen), road.select(chosen), len(chosen)
-
-        def each(x: Any, *shape: int) -> Array:
-            # A copy in memory order each time: one signature, compiled once.
-            return np.array(np.broadcast_to(x, (N, *shape)), dtype=float, order="C")
-
-        model = some.assemble()
-        check_stationary(flat, road, model)
-        Y = np.concatenate([model.on_position, model.on_velocity, model.on_warp[..., None]], axis=-1)
-        matrices = {"K": model.K, "C": model.C, "K_in": model.K_in, "C_in": model.C_in, "Y": Y}
-        spectra = [colours(here, process.share, process.sign, each(some.track_width)) for process in excited]
-        variance, terms, error = matrices_numba.variances(
-            matrices_numba.System(
-                m=each(model.m, model.m.shape[-1]),
-                warp=np.zeros(now.shape[1]) if model.warp is None else model.warp,
-                **{name: each(x, *x.shape[-2:]) for name, x in matrices.items()},
-            ),
-            matrices_numba.Excitation(
-                now,
-                later,
-                np.array([spectrum.white[:, 0] for spectrum in spectra]),
-                np.array([spectrum.alphas for spectrum in spectra]),
-                np.array([spectrum.weights for spectrum in spectra]),
-                each(delay(some, here)),
-            ),
-        )
-        with np.errstate(all="ignore"):
-            values, lost = _sound(variance, terms, error, infinite_outputs(model, excited, road))
-        variances[:, chosen] = values.T
-        return chosen[lost]
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return np.concatenate(list(pool.map(solve, batches(designs, SHARE))))

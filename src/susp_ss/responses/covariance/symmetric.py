@@ -12,27 +12,14 @@ from ...quantities import signal
 from ...roads import colours as roads
 from ...roads.road import Road
 from ...vehicles.contract import RoadVehicle
-from ...vehicles.decoupled import Half
+from ...vehicles.decoupled import OnStruts
 from ...vehicles.second_order import Outputs
-from ..excitation import Process, delay, processes
-from . import polynomials
+from ..excitation import Process, delay, processes, steep
+from . import digits, polynomials
 from .polynomials import Array, Body, Colours, Delay, OneStrut, Track, TwoStruts
 
 # A delay is walked in steps in which no root turns by more than this many radians: e^(s h) mod D keeps its digits.
 REACH = 16.0
-
-# A delay of more steps than this (a walking pace) is left to matrices, which square their way through it.
-LONGEST_WALK = 256
-
-# An acceleration whose variance is at most the first share of its terms is zero by symmetry; up to the second, it may
-# have lost digits.
-ZERO, CANCELLED = 1e-14, 1e-9
-
-# Ratios of masses, of stiffnesses, and of damping to its critical value, within which variances keep ten digits. Beyond
-# them they are computed in two systems of units, which must agree to this for six digits to be sure.
-SPREAD, LIGHT, HEAVY = 300.0, 1e-3, 30.0
-AGREED = 1e-7
-OTHER_MASS, OTHER_TIME = 0.73, 1.37
 
 
 class Problem(NamedTuple):
@@ -67,7 +54,7 @@ class Problem(NamedTuple):
         def acceleration(per_force: Array) -> Array:
             terms = [u * v * forces[i][j] for i, u in enumerate(per_force) for j, v in enumerate(per_force)]
             total, size = sum(terms), sum(map(np.abs, terms))
-            return np.where(total > CANCELLED * size, total, np.where(np.abs(total) < ZERO * size, 0.0, np.nan))
+            return digits.sum_or_nan(total, size)
 
         out = {name: acceleration(per_force) for name, per_force in self.accelerations.items()}
         for i, corners in enumerate(self.places):
@@ -78,58 +65,25 @@ class Problem(NamedTuple):
         return out
 
     def walk(self) -> tuple[int, int]:
-        """How many steps reach every delay, and how often each halves before no root turns by a radian in it."""
-        if not self.delayed:
-            return 0, 0
-        mu, ks, cs, kt, ct = np.moveaxis(self.struts, 1, 0)
-
-        def bound(spring: Array, tyre: Array, unit: float) -> float:
-            """Largest row sum of the springs' matrix over the masses, the body's coordinates in this unit."""
-            at_body = np.einsum("ijn,jn->in", np.abs(self.body.compliance), (1.0 + 1.0 / unit) * spring)
-            return max(float(at_body.max()), float((((1.0 + unit) * spring + tyre) / mu).max()))
-
-        def fastest(unit: float) -> float:
-            half = 0.5 * bound(cs, ct, unit)
-            return half + np.sqrt(half**2 + bound(ks, kt, unit))
-
-        # Any unit bounds the roots; a small one does so tightly where the wheels are faster than the body.
-        turns = min(fastest(1.0), fastest(0.25)) * float(self.tau.max())
-        steps = int(np.ceil(turns / REACH))
-        return steps, max(0, int(np.ceil(np.log2(turns / steps))))
-
-    def undamped(self) -> bool:
-        """Whether some wheel has no damper at all."""
-        return bool(((self.struts[:, 2] == 0.0) & (self.struts[:, 4] == 0.0)).any())
-
-    def extreme(self) -> bool:
-        """Whether some design is so far from any vehicle that its digits have to be counted."""
-        mu, ks, cs, kt, ct = np.moveaxis(self.struts, 1, 0)
-        masses = np.concatenate([mu, 1.0 / np.einsum("iin->in", self.body.compliance)])
-        stiffnesses = np.concatenate([ks, kt])
-        damping = (cs + ct) / np.sqrt((ks + kt) * mu)
-        spread = max(float((x.max(axis=0) / x.min(axis=0)).max()) for x in (masses, stiffnesses))
-        return not (spread < SPREAD and damping.min() > LIGHT and damping.max() < HEAVY)
+        """Steps over every delay, and halvings of each."""
+        return digits.walk(float(digits.turns(self.struts, self.body.compliance, self.tau).max()), REACH)
 
     def in_other_units(self) -> Problem:
-        """The same problem with mass and time in other units: the same result but for rounding."""
-        mass, time = OTHER_MASS, OTHER_TIME
-        force = mass / time**2
+        """The same problem with mass and time in other units."""
         return self._replace(
-            struts=self.struts * np.array([mass, force, force * time, force, force * time])[:, None],
-            body=Body(self.body.compliance / mass, self.body.rigidity / mass**2, self.body.rolls),
-            accelerations={name: per_force / mass for name, per_force in self.accelerations.items()},
-            road=Track(
-                self.road.level / time,
-                *(Colours(c.alphas / time, c.low / time, c.high / time) for c in (self.road.real, self.road.swinging)),
-            ),
-            tau=self.tau * time,
+            struts=digits.struts_in_other_units(self.struts),
+            body=Body(self.body.compliance / digits.MASS, self.body.rigidity / digits.MASS**2, self.body.rolls),
+            accelerations={name: per_force / digits.MASS for name, per_force in self.accelerations.items()},
+            road=digits.track_in_other_units(self.road),
+            tau=self.tau * digits.TIME,
         )
 
 
-def problems(halves: Sequence[Half], vehicle: RoadVehicle, road: Road, N: int) -> list[Problem]:
+def problems(halves: Sequence[OnStruts], vehicle: RoadVehicle, road: Road, N: int) -> list[Problem]:
     """The halves of N designs on a road as problems; none where there are no halves, or a wheel sees no road.
 
-    Nor where a damped tyre passes on a velocity of finite variance, which these polynomials do not hold.
+    Nor where a damped tyre passes on a velocity of finite variance, which these polynomials do not hold, or the road
+    warps the wheels without bound.
     """
     if road.wheels is not None and not set(vehicle.wheels) <= set(road.wheels):
         return []
@@ -137,12 +91,15 @@ def problems(halves: Sequence[Half], vehicle: RoadVehicle, road: Road, N: int) -
         return []
     tau = np.broadcast_to(np.asarray(delay(vehicle, road), dtype=float), N)
     width = np.broadcast_to(np.asarray(vehicle.track_width, dtype=float), N)
+    excited = processes(vehicle, road)
+    if any(steep(difference, road) and difference.later.any() for difference in excited[1:]):
+        return []
     # On identical tracks the half difference of left and right is nothing.
-    pairs = zip(halves, processes(vehicle, road), strict=False)
+    pairs = zip(halves, excited, strict=False)
     return [_problem(half, road, process, tau, width) for half, process in pairs]
 
 
-def _problem(half: Half, road: Road, process: Process, tau: Array, width: Array) -> Problem:
+def _problem(half: OnStruts, road: Road, process: Process, tau: Array, width: Array) -> Problem:
     def stacked(rows: Any) -> Array:
         out = np.empty((len(rows), len(tau)))
         for row, values in zip(out, rows, strict=True):
@@ -181,7 +138,7 @@ def as_track(spectrum: roads.Colours) -> Track:
 
 
 def symmetric_variances(
-    halves: Sequence[Half], vehicle: RoadVehicle, road: Road, N: int, kernels: Any = polynomials
+    halves: Sequence[OnStruts], vehicle: RoadVehicle, road: Road, N: int, kernels: Any = polynomials
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Variances (outputs, N) of N designs by their halves, and which of them (N,) are left to matrices.
 
@@ -190,18 +147,15 @@ def symmetric_variances(
     """
     parts, outputs = problems(halves, vehicle, road, N), vehicle.layout().outputs
     with np.errstate(all="ignore"):
-        walks = [part.walk() for part in parts]
-        if not parts or any(part.undamped() for part in parts) or max(walks)[0] > LONGEST_WALK:
+        walks = [part.walk() if part.delayed else (0, 0) for part in parts]
+        stuck = any(digits.undamped(part.struts).any() for part in parts)
+        if not parts or stuck or max(walks)[0] > digits.LONGEST_WALK:
             return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)
         variances = _total(parts, walks, outputs, kernels)
-        if not any(part.extreme() for part in parts):
+        if not any(digits.extreme(part.struts, part.body.compliance) for part in parts):
             return variances, np.logical_or.reduce(np.isnan(variances))
         other = _total([part.in_other_units() for part in parts], walks, outputs, kernels)
-    acceleration, force = OTHER_TIME**-4.0, OTHER_MASS**2 * OTHER_TIME**-4.0
-    units = {"sws": 1.0, "tyre_deflection": 1.0, "dtl": force, "sws_rate": OTHER_TIME**-2.0}
-    other /= np.array([units.get(row.quantity.name, acceleration) for row in outputs.rows])[:, None]
-    apart = (variances != other) & ~(np.abs(variances - other) < AGREED * variances)
-    return variances, np.logical_or.reduce(apart)
+    return variances, digits.disagreement(variances, other, outputs)
 
 
 def _total(parts: list[Problem], walks: list[tuple[int, int]], outputs: Outputs, kernels: Any) -> Array:

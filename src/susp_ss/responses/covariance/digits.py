@@ -1,0 +1,87 @@
+"""Where polynomials keep their digits: bounds on struts, and what to ask in two systems of units beyond them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...vehicles.second_order import Outputs
+from .polynomials import Array, Colours, Track
+
+# A delay of more steps than this (a walking pace) is left to matrices, which square their way through it.
+LONGEST_WALK = 256
+
+# An acceleration whose variance is at most the first share of its terms is zero by symmetry; up to the second, it may
+# have lost digits.
+ZERO, CANCELLED = 1e-14, 1e-9
+
+# Ratios of masses, of stiffnesses, and of damping to its critical value, within which variances keep ten digits. Beyond
+# them they are computed in two systems of units, which must agree to this for six digits to be sure.
+SPREAD, LIGHT, HEAVY = 300.0, 1e-3, 30.0
+AGREED = 1e-7
+MASS, TIME = 0.73, 1.37
+
+
+def turns(struts: Array, compliance: Array, tau: Array) -> Array:
+    """Radians (N,) of which no root turns more over the delay.
+
+    Struts are (S, 5, N) of ``mu, ks, cs, kt, ct``, the body's compliance (S, S, N).
+    """
+    mu, ks, cs, kt, ct = np.moveaxis(struts, 1, 0)
+
+    def bound(spring: Array, tyre: Array, unit: float) -> Array:
+        """Largest row sum of the springs' matrix over the masses, the body's coordinates in this unit."""
+        at_body = np.einsum("ijn,jn->in", np.abs(compliance), (1.0 + 1.0 / unit) * spring)
+        return np.maximum(at_body.max(axis=0), (((1.0 + unit) * spring + tyre) / mu).max(axis=0))
+
+    def fastest(unit: float) -> Array:
+        half = 0.5 * bound(cs, ct, unit)
+        return half + np.sqrt(half**2 + bound(ks, kt, unit))
+
+    # Any unit bounds the roots; a small one does so tightly where the wheels are faster than the body.
+    return np.minimum(fastest(1.0), fastest(0.25)) * tau
+
+
+def walk(turns: float, reach: float) -> tuple[int, int]:
+    """Steps of at most ``reach`` radians that lead over so many, and how often each halves until one is left."""
+    steps = int(np.ceil(turns / reach))
+    return steps, max(0, int(np.ceil(np.log2(turns / steps))))
+
+
+def undamped(struts: Array) -> NDArray[np.bool_]:
+    """Designs (N,) of which some wheel has no damper at all."""
+    return np.asarray(((struts[:, 2] == 0.0) & (struts[:, 4] == 0.0)).any(axis=0))
+
+
+def extreme(struts: Array, compliance: Array) -> bool:
+    """Whether some design is so far from any vehicle that its digits have to be counted."""
+    mu, ks, cs, kt, ct = np.moveaxis(struts, 1, 0)
+    masses = np.concatenate([mu, 1.0 / np.einsum("iin->in", compliance)])
+    stiffnesses = np.concatenate([ks, kt])
+    damping = (cs + ct) / np.sqrt((ks + kt) * mu)
+    spread = max(float((x.max(axis=0) / x.min(axis=0)).max()) for x in (masses, stiffnesses))
+    return not (spread < SPREAD and damping.min() > LIGHT and damping.max() < HEAVY)
+
+
+def sum_or_nan(total: Array, size: Array) -> Array:
+    """A variance, from the sizes of its terms: zero where it is no more than rounding, nan where digits may be lost."""
+    return np.where(total > CANCELLED * size, total, np.where(np.abs(total) <= ZERO * size, 0.0, np.nan))
+
+
+def struts_in_other_units(struts: Array) -> Array:
+    """The same struts with mass and time in other units, in which results are the same but for rounding."""
+    force = MASS / TIME**2
+    return struts * np.array([MASS, force, force * TIME, force, force * TIME])[:, None]
+
+
+def track_in_other_units(road: Track) -> Track:
+    """The same road with time in another unit."""
+    colours = (Colours(each.alphas / TIME, each.low / TIME, each.high / TIME) for each in (road.real, road.swinging))
+    return Track(road.level / TIME, *colours)
+
+
+def disagreement(variances: Array, other: Array, outputs: Outputs) -> NDArray[np.bool_]:
+    """Designs (N,) of which some variance (outputs, N) is not the same in other units."""
+    units = {"sws": 1.0, "tyre_deflection": 1.0, "dtl": MASS**2 * TIME**-4.0, "sws_rate": TIME**-2.0}
+    same = other / np.array([units.get(row.quantity.name, TIME**-4.0) for row in outputs.rows])[:, None]
+    return np.logical_or.reduce((variances != same) & ~(np.abs(variances - same) < AGREED * variances))
