@@ -51,7 +51,7 @@ def test_a_vehicle_is_its_own_state_space_by_every_route(name, form):
     vehicle = VEHICLES[name]
     linear = ss.LinearVehicle(system_of(vehicle, form, actuators=True), like=vehicle)
     for road in (ss.Road(tracks="independent", waviness=2.4), ss.Road(tracks="isotropic", cutoff=0.01)):
-        assert_alike(*(ss.ride_metrics(car, road, method="spectral") for car in (linear, vehicle)), 1e-7)
+        assert_alike(*(ss.ride_metrics(car, road, method="spectral") for car in (linear, vehicle)), 1e-6)
         record = {"method": "time", "duration": 20.0, "seed": 3}
         assert_alike(*(ss.ride_metrics(car, road, **record) for car in (linear, vehicle)), 1e-6)
 
@@ -157,7 +157,8 @@ def test_a_loop_that_lost_its_names_is_known_by_its_feedthrough():
         )
         road = ss.Road(tracks="isotropic")
         ours, expected = ss.ride_metrics(ss.LinearVehicle(closed, like=vehicle), road), ss.ride_metrics(harder, road)
-        assert_alike(ours, expected, 1e-9, 1e-7)
+        # What the actuators dissipate is not the dampers'.
+        assert_alike(ours.drop_vars("damper_power"), expected, 1e-9, 1e-7)
     car = ss.QuarterCar()
     gain = np.array([[0.0] * 4, [0.0] * 3 + [-200.0]])
     closed = ct.feedback(car.state_space("displacement", actuators=True), ct.ss([], [], [], gain))

@@ -179,7 +179,7 @@ def test_names_of_the_package_land_on_its_dims_others_on_their_own():
     names = ["bacc_cg", "bacc_driver", "sws_fr", "dtl_fr", "roll_acc", "seat_force", "sws_rate_fr"]
     vehicle = ss.LinearVehicle(named([f"dz_r_{wheel}" for wheel in CAR.wheels], names), **LAYOUT)
     metrics = ss.ride_metrics(vehicle, ss.Road())
-    assert list(metrics) == ["bacc", "sws", "dtl", "roll_acc", "seat_force", "sws_rate"]
+    assert list(metrics) == ["bacc", "sws", "dtl", "roll_acc", "sws_rate", "seat_force"]
     assert metrics.bacc.point.values.tolist() == ["cg", "driver"]
     assert (metrics.sws.dims, metrics.seat_force.dims) == (("corner",), ())
     assert (metrics.bacc.attrs["units"], metrics.seat_force.attrs["long_name"]) == ("m/s^2", "RMS seat_force")
