@@ -115,6 +115,7 @@ def _outputs(coordinates, wheels, points, corners, angles, kt, ct):
         outputs[named("dtl", wheel)] = Output(
             -kt[wheel] * row({hub: 1.0}), -ct[wheel] * row({hub: 1.0}), none, kt[wheel] * here, ct[wheel] * here
         )
+        outputs[named("tyre_deflection", wheel)] = Output(-row({hub: 1.0}), none, none, here, flat)
     return outputs
 
 
@@ -782,7 +783,7 @@ def _variance_lyapunov(model, road, digits):
 
 def metrics(model, variance):
     """RMS of every output and the mean damper power c_s E[d_s'^2] (W), from a dict of variances."""
-    rms = {name: float(np.sqrt(max(0.0, float(value)))) for name, value in variance.items() if "rate" not in name}
+    rms = {name: float(np.sqrt(max(0.0, float(value)))) for name, value in variance.items()}
     for wheel in model.wheels:
         end = f"_{wheel}" if wheel else ""
         rms[f"damper_power{end}"] = float(model.cs[wheel] * variance[f"sws_rate{end}"])

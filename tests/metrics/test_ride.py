@@ -22,7 +22,8 @@ SHAPES = {
 def test_layout(name, method):
     points, corners, rotations = SHAPES[name]
     metrics = ss.ride_metrics(VEHICLES[name], ROAD, method=method, duration=5.0)
-    expected = {"bacc", "sws", "dtl", "damper_power"} | rotations
+    rigid = isinstance(VEHICLES[name], ss.RigidTyreQuarterCar)
+    expected = {"bacc", "sws", "dtl", "damper_power", "sws_rate"} | rotations | (set() if rigid else {"tyre_deflection"})
     assert set(metrics) == expected | ({f"{name}_stderr" for name in expected} if method == "time" else set())
     assert metrics.bacc.dims == (("point",) if points else ())
     assert metrics.sws.dims == metrics.dtl.dims == metrics.damper_power.dims == (("corner",) if corners else ())
@@ -34,6 +35,8 @@ def test_layout(name, method):
         "sws": "m",
         "dtl": "N",
         "damper_power": "W",
+        "tyre_deflection": "m",
+        "sws_rate": "m/s",
         "pitch_acc": "rad/s^2",
         "roll_acc": "rad/s^2",
     }

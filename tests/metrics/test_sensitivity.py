@@ -165,6 +165,8 @@ OF_METRICS = {
     "pitch_acc": (0, -1, -2),
     "roll_acc": (0, -1, -2),
     "damper_power": (1, 0, -3),
+    "tyre_deflection": (0, 0, 0),
+    "sws_rate": (0, 0, -1),
 }
 
 
