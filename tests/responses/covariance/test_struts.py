@@ -128,6 +128,15 @@ def test_extreme_corners_keep_six_digits_or_are_left(spread, seed):
     np.testing.assert_allclose(values[:, ~left], exact[:, ~left], rtol=1e-6)
 
 
+def test_a_sweep_over_speed_is_each_of_its_speeds():
+    car, speeds = apart(0.3), np.array([3.0, 12.0, 40.0])
+    together = ss.ride_metrics(car, ss.Road(speed=speeds, tracks="isotropic"))
+    for i, speed in enumerate(speeds):
+        alone = ss.ride_metrics(car, ss.Road(speed=float(speed), tracks="isotropic"))
+        for name in alone:
+            np.testing.assert_allclose(together[name].isel(design=i), alone[name], rtol=1e-10)
+
+
 def test_what_polynomials_cannot_hold_is_left():
     uneven = ss.Corners(fr=17e3, fl=18e3, rr=19e3, rl=20e3)
     undamped = ss.FullCar(ks=uneven, cs=ss.Corners(fr=0.0, fl=1e3, rr=1e3, rl=1e3), ct=np.array([0.0, 50.0]))
