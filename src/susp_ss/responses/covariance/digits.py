@@ -15,10 +15,9 @@ LONGEST_WALK = 256
 # have lost digits.
 ZERO, CANCELLED = 1e-14, 1e-9
 
-# Ratios of masses, of stiffnesses, and of damping to its critical value, within which variances keep ten digits. Beyond
-# them they are computed in two systems of units, which must agree to this for six digits to be sure.
-SPREAD, LIGHT, HEAVY = 300.0, 1e-3, 30.0
-AGREED = 1e-7
+# Ratios of masses, of stiffnesses, and of damping to its critical value, within which variances keep ten digits, if it
+# is not too light. Beyond them they are computed in two systems of units, which must agree.
+SPREAD, HEAVY = 300.0, 30.0
 MASS, TIME = 0.73, 1.37
 
 
@@ -53,14 +52,14 @@ def undamped(struts: Array) -> NDArray[np.bool_]:
     return np.asarray(((struts[:, 2] == 0.0) & (struts[:, 4] == 0.0)).any(axis=0))
 
 
-def extreme(struts: Array, compliance: Array) -> bool:
-    """Whether some design is so far from any vehicle that its digits have to be counted."""
+def extreme(struts: Array, compliance: Array, light: float) -> bool:
+    """Whether some design is so far from any vehicle, or its damping so light, that its digits have to be counted."""
     mu, ks, cs, kt, ct = np.moveaxis(struts, 1, 0)
     masses = np.concatenate([mu, 1.0 / np.einsum("iin->in", compliance)])
     stiffnesses = np.concatenate([ks, kt])
     damping = (cs + ct) / np.sqrt((ks + kt) * mu)
     spread = max(float((x.max(axis=0) / x.min(axis=0)).max()) for x in (masses, stiffnesses))
-    return not (spread < SPREAD and damping.min() > LIGHT and damping.max() < HEAVY)
+    return not (spread < SPREAD and damping.min() > light and damping.max() < HEAVY)
 
 
 def sum_or_nan(total: Array, size: Array) -> Array:
@@ -80,8 +79,8 @@ def track_in_other_units(road: Track) -> Track:
     return Track(road.level / TIME, *colours)
 
 
-def disagreement(variances: Array, other: Array, outputs: Outputs) -> NDArray[np.bool_]:
-    """Designs (N,) of which some variance (outputs, N) is not the same in other units."""
+def disagreement(variances: Array, other: Array, outputs: Outputs, agreed: float) -> NDArray[np.bool_]:
+    """Designs (N,) of which some variance (outputs, N) is not the same in other units, but for such a share."""
     units = {"sws": 1.0, "tyre_deflection": 1.0, "dtl": MASS**2 * TIME**-4.0, "sws_rate": TIME**-2.0}
     same = other / np.array([units.get(row.quantity.name, TIME**-4.0) for row in outputs.rows])[:, None]
-    return np.logical_or.reduce((variances != same) & ~(np.abs(variances - same) < AGREED * variances))
+    return np.logical_or.reduce((variances != same) & ~(np.abs(variances - same) < agreed * variances))

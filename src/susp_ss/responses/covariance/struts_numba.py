@@ -31,16 +31,22 @@ def by_minors(struts, pairs, bars, mobility, arms, tables):
     D, signals = np.empty((degree + 1, designs)), np.empty((S, B + 2 * S, degree + 1, designs))
     adjugate, rows = np.zeros((S, S, degree + 1, WIDTH)), np.empty((S, B + 2 * S, degree + 1, WIDTH))
     M, force = np.empty((S, S, 5, WIDTH)), np.empty((S, degree + 1, WIDTH))
+    at_struts, at_bars = np.ones((S, 5, WIDTH)), np.ones((len(bars), WIDTH))
+    mobilities, at_arms = np.ones((B, WIDTH)), np.ones((B, S, WIDTH))
     for first in range(0, designs, WIDTH):
+        # Loops of a length that the compiler knows run twice as fast: what is over at the end counts for nothing.
         here = min(WIDTH, designs - first)
+        part = slice(first, first + here)
+        at_struts[:, :, :here], at_bars[:, :here] = struts[:, :, part], bars[:, part]
+        mobilities[:, :here], at_arms[:, :, :here] = mobility[:, part], arms[:, :, part]
         M[:] = 0.0
-        matrix(M, struts, pairs, bars, mobility, arms, first, here)
+        matrix(M, at_struts, pairs, at_bars, mobilities, at_arms)
         below = [np.ones((1, 1, WIDTH))]
         for k in range(S - 1):
             below.append(expanded(M[S - 1 - k], below[k], tables[k], 2 if k + 1 > B else 0))
         determinant = expanded(M[0], below[S - 1], tables[S - 1], 2 if S > B else 0)[0]
         monic = 1.0 / determinant[degree]
-        D[:, first : first + here] = (determinant * monic)[:, :here]
+        D[:, part] = (determinant * monic)[:, :here]
         for i in range(S):
             minors = below[S - 1 - i]
             for k in range(S - 1 - i, S - 1):
@@ -50,93 +56,93 @@ def by_minors(struts, pairs, bars, mobility, arms, tables):
                 for k in range(minors.shape[1]):
                     for N in range(WIDTH):
                         adjugate[i, j, shift + k, N] = sign * monic[N] * minors[S - 1 - j, k, N]
-        stir(struts, pairs, bars, mobility, arms, adjugate, force, first, here, rows)
-        signals[:, :, :, first : first + here] = rows[:, :, :, :here]
+        stir(at_struts, pairs, at_bars, mobilities, at_arms, adjugate, force, rows)
+        signals[:, :, :, part] = rows[:, :, :, :here]
     return D, signals
 
 
 @compiled(**OPTIONS)
-def stir(struts, pairs, bars, mobility, arms, adjugate, force, first, here, out):
-    """`struts.stirred` of some designs."""
+def stir(struts, pairs, bars, mobility, arms, adjugate, force, out):
+    """`struts.stirred` of one block of designs."""
     S, B, length = len(struts), len(mobility), adjugate.shape[2]
     out[:] = 0.0
     for column in range(S):
         d = adjugate[column]
         for i in range(S):
             for k in range(length):
-                for N in range(here):
-                    force[i, k, N] = struts[i, 1, first + N] * d[i, k, N]
+                for N in range(WIDTH):
+                    force[i, k, N] = struts[i, 1, N] * d[i, k, N]
             for k in range(1, length):
-                for N in range(here):
-                    force[i, k, N] += struts[i, 2, first + N] * d[i, k - 1, N]
+                for N in range(WIDTH):
+                    force[i, k, N] += struts[i, 2, N] * d[i, k - 1, N]
         for m in range(len(pairs)):
             i, j = pairs[m]
             for k in range(length):
-                for N in range(here):
-                    across = bars[m, first + N] * (d[i, k, N] - d[j, k, N])
+                for N in range(WIDTH):
+                    across = bars[m, N] * (d[i, k, N] - d[j, k, N])
                     force[i, k, N] += across
                     force[j, k, N] -= across
         for b in range(B):
             for i in range(S):
                 for k in range(length):
-                    for N in range(here):
-                        out[column, b, k, N] += arms[b, i, first + N] * force[i, k, N]
+                    for N in range(WIDTH):
+                        out[column, b, k, N] += arms[b, i, N] * force[i, k, N]
             for k in range(length):
-                for N in range(here):
-                    out[column, b, k, N] *= mobility[b, first + N]
+                for N in range(WIDTH):
+                    out[column, b, k, N] *= mobility[b, N]
         for i in range(S):
             tyre = out[i, B + S + column]
             tyre[2:] = d[i, : length - 2]
             for k in range(length):
                 for b in range(B):
-                    for N in range(here):
-                        tyre[k, N] += arms[b, i, first + N] * out[column, b, k, N]
-                for N in range(here):
-                    tyre[k, N] = struts[i, 0, first + N] * tyre[k, N] + force[i, k, N]
+                    for N in range(WIDTH):
+                        tyre[k, N] += arms[b, i, N] * out[column, b, k, N]
+                for N in range(WIDTH):
+                    tyre[k, N] = struts[i, 0, N] * tyre[k, N] + force[i, k, N]
         out[column, B : B + S] = d
         for row in range(B + S):
             for k in range(length - 1, -1, -1):
-                for N in range(here):
-                    out[column, row, k, N] *= struts[column, 3, first + N]
+                for N in range(WIDTH):
+                    out[column, row, k, N] *= struts[column, 3, N]
                 if k > 0:
-                    for N in range(here):
-                        out[column, row, k, N] += struts[column, 4, first + N] * out[column, row, k - 1, N]
+                    for N in range(WIDTH):
+                        out[column, row, k, N] += struts[column, 4, N] * out[column, row, k - 1, N]
 
 
 @compiled(**OPTIONS)
-def matrix(M, struts, pairs, bars, mobility, arms, first, here):
-    """`struts.matrix` of some designs, added to M."""
+def matrix(M, struts, pairs, bars, mobility, arms):
+    """`struts.matrix` of one block of designs, added to M."""
     S = len(struts)
     kappa, u = np.zeros((S, S, 2, WIDTH)), np.empty(WIDTH)
     for i in range(S):
-        for N in range(here):
-            kappa[i, i, 0, N], kappa[i, i, 1, N] = struts[i, 1, first + N], struts[i, 2, first + N]
+        for N in range(WIDTH):
+            kappa[i, i, 0, N], kappa[i, i, 1, N] = struts[i, 1, N], struts[i, 2, N]
     for m in range(len(pairs)):
         for i in pairs[m]:
             for j in pairs[m]:
-                for N in range(here):
-                    kappa[i, j, 0, N] += bars[m, first + N] if i == j else -bars[m, first + N]
+                for N in range(WIDTH):
+                    kappa[i, j, 0, N] += bars[m, N] if i == j else -bars[m, N]
     for i in range(S):
         for j in range(S):
             for order in range(2):
-                for N in range(here):
+                for N in range(WIDTH):
                     M[i, j, 2 + order, N] += kappa[i, j, order, N]
         for m in range(S):
             u[:] = 0.0
             for b in range(len(mobility)):
-                for N in range(here):
-                    u[N] += mobility[b, first + N] * arms[b, i, first + N] * arms[b, m, first + N]
+                for N in range(WIDTH):
+                    u[N] += mobility[b, N] * arms[b, i, N] * arms[b, m, N]
             for j in range(S):
                 for order in range(2):
-                    for N in range(here):
+                    for N in range(WIDTH):
                         force = u[N] * kappa[m, j, order, N]
-                        M[i, j, order, N] += struts[i, 3, first + N] * force
-                        M[i, j, order + 1, N] += struts[i, 4, first + N] * force
-                        M[i, j, order + 2, N] += struts[i, 0, first + N] * force
-        for N in range(here):
-            M[i, i, 2, N] += struts[i, 3, first + N]
-            M[i, i, 3, N] += struts[i, 4, first + N]
-            M[i, i, 4, N] += struts[i, 0, first + N]
+                        M[i, j, order, N] += struts[i, 3, N] * force
+                        M[i, j, order + 1, N] += struts[i, 4, N] * force
+                        M[i, j, order + 2, N] += struts[i, 0, N] * force
+        for N in range(WIDTH):
+            M[i, i, 2, N] += struts[i, 3, N]
+            M[i, i, 3, N] += struts[i, 4, N]
+            M[i, i, 4, N] += struts[i, 0, N]
 
 
 @compiled(**OPTIONS)

@@ -21,6 +21,10 @@ from .polynomials import Array, Body, Colours, Delay, OneStrut, Track, TwoStruts
 # A delay is walked in steps in which no root turns by more than this many radians: e^(s h) mod D keeps its digits.
 REACH = 16.0
 
+# Damping, as a share of its critical value, from which variances keep ten digits; and how well two systems of units
+# must agree for six digits to be sure.
+LIGHT, AGREED = 1e-3, 1e-7
+
 
 class Problem(NamedTuple):
     """One half on its share of the road, as arrays over N designs.
@@ -152,10 +156,10 @@ def symmetric_variances(
         if not parts or stuck or max(walks)[0] > digits.LONGEST_WALK:
             return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)
         variances = _total(parts, walks, outputs, kernels)
-        if not any(digits.extreme(part.struts, part.body.compliance) for part in parts):
+        if not any(digits.extreme(part.struts, part.body.compliance, LIGHT) for part in parts):
             return variances, np.logical_or.reduce(np.isnan(variances))
         other = _total([part.in_other_units() for part in parts], walks, outputs, kernels)
-    return variances, digits.disagreement(variances, other, outputs)
+    return variances, digits.disagreement(variances, other, outputs, AGREED)
 
 
 def _total(parts: list[Problem], walks: list[tuple[int, int]], outputs: Outputs, kernels: Any) -> Array:

@@ -23,6 +23,10 @@ from .symmetric import as_track
 # of which a step of 20 keeps twelve digits.
 REACH = 22.0
 
+# Wheels that hop almost alike cost digits as their damping gets lighter: twelve are left at half of its critical value,
+# nine at a fifth. Below that two systems of units must agree so well.
+LIGHT, AGREED = 0.2, 1e-9
+
 # An acceleration is zero by symmetry if its variance is at most the first share of what its forces would make of it all
 # together; up to the second, it may have lost digits.
 ZERO, CANCELLED = 1e-24, 1e-17
@@ -167,6 +171,6 @@ def whole_variances(
         left |= np.isnan(variances).any(axis=0)
         if road.velocity_is_bounded:
             left |= one.chassis.struts[:, 4].any(axis=0)
-        if digits.extreme(one.stiffened(), compliance):
-            left |= digits.disagreement(variances, solved(one.in_other_units()), outputs)
+        if digits.extreme(one.stiffened(), compliance, LIGHT):
+            left |= digits.disagreement(variances, solved(one.in_other_units()), outputs, AGREED)
     return variances, left
