@@ -137,7 +137,7 @@ def test_state_space_and_dynamic_stiffness_agree(model):
 
 def test_improper_outputs_are_left_out():
     assert set(oracles.first_order(MODELS["rigid tyre"]).C) == {"sws"}
-    assert set(oracles.first_order(MODELS["quarter, tyre damping"]).C) == {"bacc", "sws", "sws_rate"}
+    assert set(oracles.first_order(MODELS["quarter, tyre damping"]).C) == {"bacc", "sws", "sws_rate", "tyre_deflection"}
     assert len(oracles.first_order(MODELS["full, unequal"]).C) == len(MODELS["full"].outputs)
 
 
@@ -309,6 +309,7 @@ def test_quarter_car_closed_forms(factor):
         "sws": oracles.quarter_deflection_variance(ms, mu, cs, q),
         "sws_rate": oracles.quarter_deflection_rate_variance(cs, kt, q),
         "dtl": oracles.quarter_tyre_force_variance(ms, mu, ks, cs, kt, q),
+        "tyre_deflection": oracles.quarter_tyre_force_variance(ms, mu, ks, cs, kt, q) / kt**2,
     }
     agree(oracles.variance_lyapunov_delay(model, road), expected, 1e-11)
     agree(oracles.variance_spectral(model, road), expected, 1e-10)

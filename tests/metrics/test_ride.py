@@ -23,7 +23,9 @@ def test_layout(name, method):
     points, corners, rotations = SHAPES[name]
     metrics = ss.ride_metrics(VEHICLES[name], ROAD, method=method, duration=5.0)
     rigid = isinstance(VEHICLES[name], ss.RigidTyreQuarterCar)
-    expected = {"bacc", "sws", "dtl", "damper_power", "sws_rate"} | rotations | (set() if rigid else {"tyre_deflection"})
+    expected = (
+        {"bacc", "sws", "dtl", "damper_power", "sws_rate"} | rotations | (set() if rigid else {"tyre_deflection"})
+    )
     assert set(metrics) == expected | ({f"{name}_stderr" for name in expected} if method == "time" else set())
     assert metrics.bacc.dims == (("point",) if points else ())
     assert metrics.sws.dims == metrics.dtl.dims == metrics.damper_power.dims == (("corner",) if corners else ())

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from ..quantities import briefly
 from ..roads.colours import Colours
 
-# Poles nearer to one another than this share of their modulus are taken together.
-CLUSTER = 0.02
+# Poles nearer to one another than this share of the way to the imaginary axis are taken together.
+CLUSTER = 0.03
 
 # Points on a circle whose radius is this share of the way to the imaginary axis, beyond which no rate may lie, or of
 # that to the next pole: the error falls as its power of the number of points.
@@ -97,7 +97,7 @@ class Filter:
         """Poles of the upper half plane, those together that lie close."""
         clusters: list[list[complex]] = []
         for pole in sorted(self.poles, key=abs):
-            near = [c for c in clusters if any(abs(pole - other) < CLUSTER * abs(pole) for other in c)]
+            near = [c for c in clusters if any(abs(pole - other) < CLUSTER * abs(pole.real) for other in c)]
             clusters = [c for c in clusters if c not in near] + [[pole, *(other for c in near for other in c)]]
         found = [np.array(cluster) for cluster in clusters]
         return [cluster for cluster in found if cluster.mean().imag > -1e-12 * abs(cluster.mean())]
