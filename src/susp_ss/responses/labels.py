@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -43,11 +44,9 @@ def labelled_outputs(
         Of every variable, with ``{statistic}`` and ``{meaning}`` of its quantity filled in.
     """
     found: dict[str, Any] = {}
-    labels: dict[str, Any] = {**space.coords, **(coords or {})}
     for name, (quantity, places) in layout.variables.items():
         data = power if name == "damper_power" else _columns(values, layout.outputs.of(name))
         dim = dim_of(quantity, places)
-        labels |= {name: list(places) for name in dim}
         shaped = data if dim else data[:, 0]
         found[name] = (
             (*space.dims, *dim, *dims),
@@ -57,7 +56,16 @@ def labelled_outputs(
                 "long_name": long_name.format(statistic=quantity.statistic, meaning=quantity.meaning),
             },
         )
-    return xr.Dataset(found, labels)
+    labels = places_of(layout)
+    more = {**space.coords, **(coords or {})}
+    return xr.Dataset(found, labels.assign(more) if more else labels)
+
+
+@cache
+def places_of(layout: Layout) -> xr.Coordinates:
+    """The places of all variables, with their indexes."""
+    labels = {dim: list(places) for q, places in layout.variables.values() for dim in dim_of(q, places)}
+    return xr.Dataset(coords=labels).coords.copy()
 
 
 def _columns(values: NDArray[np.float64], rows: slice | list[int]) -> NDArray[np.float64]:

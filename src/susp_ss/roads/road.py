@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -288,8 +287,11 @@ class Road:
 
     def standard(self) -> Road:
         """The same surface with unit roughness and speed, and nothing between it and a wheel."""
-        plain: dict[str, Any] = {"roughness": 1.0, "speed": 1.0, "cutoff": 0.0, "contact_length": 0.0}
-        return dataclasses.replace(self, **plain, tracks="isotropic", delay=True, wheels=None)
+        standard = self.mapped(lambda _: 1.0)
+        plain = {"cutoff": 0.0, "contact_length": 0.0, "tracks": "isotropic", "delay": True, "wheels": None}
+        for name, value in (plain | {"weighting": None}).items():
+            object.__setattr__(standard, name, value)
+        return standard
 
     def leaves(self) -> list[Any]:
         """The parameters that a design may set."""
