@@ -233,7 +233,7 @@ OTHERS = {
     "method": ((ss.QuarterCar(), ROAD, AXES, {"method": "spectral"}), "method is covariance there and spectral here"),
     "outputs": (
         (ss.QuarterCar(), ROAD, AXES, {"outputs": ["sws"]}),
-        "outputs is bacc, sws, dtl, damper_power there and sws here",
+        "outputs is bacc, sws, dtl, damper_power, tyre_deflection, sws_rate there and sws here",
     ),
     "dtype": (
         (ss.QuarterCar(), ROAD, AXES, {"dtype": "float32"}),
@@ -287,7 +287,7 @@ WRONG = {
     "empty": ((ss.QuarterCar(), ROAD, {"ks": []}), "got an empty array"),
     "negative": ((ss.QuarterCar(), ROAD, {"ks": [1e4, -1.0]}), r"QuarterCar\(ks=...\) must be > 0 N/m, got -1.0"),
     "array": ((ss.QuarterCar(mu=np.array([4.0, 5.0])), ROAD, AXES), r"QuarterCar\(mu=...\) .* a number, or an axis"),
-    "waviness": ((ss.QuarterCar(), ss.Road(waviness=2.5), AXES), "waviness 2"),
+    "speeds": ((ss.QuarterCar(), ss.Road(speed=np.array([1.0, 2.0])), AXES), "one speed, roughness and cutoff"),
     "method": ((ss.QuarterCar(), ROAD, AXES, "time"), "method of a sweep must be one of covariance, spectral"),
     "no vehicle": (("full", ROAD, AXES), "vehicle must be"),
 }
@@ -327,6 +327,17 @@ def test_refused_design(store):
     assert zarr.open_group(store, path="sweep", mode="r")["done"][...].sum() == 0
 
 
+def test_a_sweep_over_speeds_is_each_of_its_roads(store):
+    speeds = np.array([5.0, 20.0, 35.0])
+    sweep(ss.FullCar(), ss.Road(tracks="isotropic"), {"ks": np.array([15e3, 20e3]), "speed": speeds}, store)
+    with xr.open_zarr(store) as found:
+        assert found.speed.attrs["units"] == "m/s"
+        for i, speed in enumerate(speeds):
+            alone = ss.ride_metrics(ss.FullCar(ks=20e3), ss.Road(speed=speed, tracks="isotropic"))
+            for name, data in alone.items():
+                np.testing.assert_allclose(found[name].isel(ks=1, speed=i), data, rtol=1e-12, err_msg=name)
+
+
 # --- The command line -------------------------------------------------------------------------------------------------
 
 
@@ -336,7 +347,7 @@ def test_command_equals_the_library(run, store, undisturbed):
     assert "40 designs in 4 chunks, 0 of them finished before; 40 designs computed" in err
     assert files(store) == undisturbed()
     code, out, err = run("sweep", *LINE, store)
-    scenario = f"QuarterCar; {ROAD.describe()}"
+    scenario = f"QuarterCar over ks, cs; {ROAD.describe()}"
     assert (code, err) == (0, f"{scenario}\n{store}: 40 designs in 4 chunks, 4 of them finished before\n")
 
 
