@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import models
 import oracles
@@ -74,3 +75,12 @@ def test_bad_frequencies(frequency, error, words):
         ss.frequency_response(ss.QuarterCar(), frequency)
     with pytest.raises(error, match=words):
         ss.psd(ss.QuarterCar(), ss.Road(), frequency)
+
+
+def test_spectra_over_speeds_are_those_of_each_speed():
+    speeds, f = xr.DataArray(np.array([10.0, 30.0]), dims="speed"), np.array([0.5, 3.0, 12.0])
+    every = ss.psd(ss.FullCar(), ss.Road(speed=speeds, tracks="isotropic", waviness=2.4), f)
+    assert every.dims == ("speed", "output", "frequency")
+    for i, speed in enumerate(speeds.values):
+        one = ss.psd(ss.FullCar(), ss.Road(speed=float(speed), tracks="isotropic", waviness=2.4), f)
+        np.testing.assert_allclose(every.isel(speed=i), one, rtol=1e-12)

@@ -124,7 +124,7 @@ def output_density(
     velocity = omega**2 * road.psd(f / road.speed) / road.speed
     if road.weighting is not None:
         velocity = velocity * road.weighting.power(omega)
-    total = np.zeros(H.shape[:-1])
+    total: Any = 0.0
     for process in processes(vehicle, road):
         share: Any = process.share
         if process.sign:
@@ -138,8 +138,8 @@ def output_density(
         # The sum first: at low frequency a warp of either axle is large and nearly cancels the other's.
         power = np.abs(now + later) ** 2
         power -= 2.0 * (1.0 - np.asarray(interference))[..., None] * (now * later.conj()).real
-        total += power * (share * velocity)[..., None]
-    return total
+        total = total + power * (share * velocity)[..., None]
+    return np.asarray(total)
 
 
 def checked_frequency(frequency: ArrayLike) -> NDArray[np.float64]:
