@@ -54,6 +54,7 @@ docs: .venv/installed-docs
 
 bench: .venv/installed-test
 	$(BIN)/python benchmarks/ride_metrics.py
+	$(BIN)/python benchmarks/any_road_any_system.py
 	$(BIN)/python benchmarks/surrogates.py
 	$(BIN)/python benchmarks/sweeps.py
 
