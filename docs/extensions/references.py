@@ -16,6 +16,7 @@ from susp_ss.surrogates.regressor import Surrogate
 from susp_ss.vehicles.vehicle import Vehicle
 
 PAGES = {
+    "abc": "https://docs.python.org/3/library/abc.html#{}",
     "control": "https://python-control.readthedocs.io/en/stable/generated/{}.html",
     "numpy": "https://numpy.org/doc/stable/reference/generated/{}.html",
     "pandas": "https://pandas.pydata.org/docs/reference/api/{}.html",

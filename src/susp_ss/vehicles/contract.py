@@ -143,11 +143,11 @@ class RoadVehicle(ABC):
 
     @abstractmethod
     def assemble(self) -> Any:
-        """The `Model` of a flattened vehicle."""
+        """The ``Model`` of a flattened vehicle."""
 
     @abstractmethod
     def single(self, what: str) -> Any:
-        """The `Model` of the one design, for a function that takes no more than one."""
+        """The ``Model`` of the one design, for a function that takes no more than one."""
 
     @abstractmethod
     def halves(self) -> tuple[Any, ...]:
