@@ -159,3 +159,9 @@ def test_a_measured_spectrum_is_what_was_measured():
 def test_what_is_no_spectrum(call, error, words):
     with pytest.raises(error, match=words):
         call()
+
+
+@pytest.mark.parametrize("waviness", [(3.0, 1.8), (2.0, 1.5)])
+def test_two_slopes_on_an_isotropic_surface(waviness):
+    """The coherence by terms keeps its digits, so that the integral converges."""
+    agree(ss.FullCar(), ss.Road.two_slope(waviness=waviness, knee=0.2, tracks="isotropic"), 1e-3)

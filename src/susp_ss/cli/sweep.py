@@ -52,7 +52,8 @@ def run(
     --ks-rear 12N/mm:24N/mm:100. The store opens as one labelled dataset,
     xarray.open_zarr("FOLDER"), with the units of susp-ss metrics:
     bacc (m/s^2), sws (m), dtl (N), pitch_acc and roll_acc (rad/s^2),
-    damper_power (W), and with attributes that say of which vehicle and road;
+    damper_power (W), tyre_deflection (m) and sws_rate (m/s), and with
+    attributes that say of which vehicle and road;
     what is not finished yet is NaN. The same command again goes on where this
     one stopped.
     """

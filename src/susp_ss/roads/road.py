@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import gamma, kv
+from scipy.special import gamma, k0, kv
 
 from ..quantities import ROAD, briefly
 from ..vehicles.parameters import checked, lazy
@@ -28,6 +28,9 @@ TRACKS = ("identical", "independent", "isotropic")
 # a bend of a spectrum reaches.
 COHERENCE_BEND = (0.1, 10.0**1.5)
 BEND = 10.0
+
+# A rate below this share of x leaves it as it is, to 1e-9.
+NEAR = 1e-2
 
 
 @dataclass(frozen=True)
@@ -485,8 +488,10 @@ def _apart_by_terms(terms: Terms, x: NDArray[np.float64], width: NDArray[np.floa
     x, a = x[..., None], terms.rates * width[..., None]
     y = np.sqrt(x**2 + a**2)
     one, other = _apart(x, 2.0), _apart(y, 2.0)
+    # Where they are nearly the same, their difference by its derivative, d(z K_1(z)) = -K_0(z) d(z^2) / 2.
+    less = np.where(a < NEAR * x, -0.5 * a**2 * k0(np.sqrt(x**2 + 0.5 * a**2)), one - other)
     # Of a low-pass the term at rate zero less that at its own rate, written so that neither swamps the difference.
-    low = (a**2 * one + x**2 * (one - other)) / y**2
+    low = (a**2 * one + x**2 * less) / y**2
     parted = terms.level * one[..., 0] + (terms.low * low + terms.high * x**2 * other / y**2).sum(axis=-1)
     whole = terms.level + ((terms.low * a**2 + terms.high * x**2) / y**2).sum(axis=-1)
     return np.asarray(parted / whole)
