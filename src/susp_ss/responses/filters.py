@@ -124,7 +124,11 @@ class Filter:
         import scipy.signal
 
         if len(self.denominator) == 1:
-            return self.numerator[0] * y
-        A, B, C, D = scipy.signal.tf2ss(self.numerator, self.denominator)
-        times = step * np.arange(y.shape[1])
-        return np.stack([scipy.signal.lsim((A, B, C, D), row, times)[1] for row in y])
+            return np.asarray(self.numerator[0] * y)
+        discrete = scipy.signal.cont2discrete(scipy.signal.tf2ss(self.numerator, self.denominator), step, method="foh")
+        A, B, C, D = discrete[:4]
+        x, out = np.zeros((len(A), len(y))), np.empty_like(y)
+        for k, u in enumerate(y.T):
+            out[:, k] = C[0] @ x + D[0, 0] * u
+            x = A @ x + B * u
+        return out
