@@ -409,3 +409,31 @@ def test_help_loads_no_numerical_library(arguments):
     assert done.returncode == 0
     assert done.stdout.splitlines()[-1] == "[]"
     assert len(done.stdout.splitlines()) > 1
+
+
+def test_a_measured_spectrum(run, tmp_path):
+    table = "# a survey\nn;G\n\n0.01;6.4e-3\n0.2;1.6e-5\n1;9e-7\n"
+    (tmp_path / "road.csv").write_text(table, encoding="utf-8")
+    code, out, _ = run("metrics", "--model", "quarter", "--spectrum", tmp_path / "road.csv", "--json")
+    road = ss.Road.from_psd([0.01, 0.2, 1.0], [6.4e-3, 1.6e-5, 9e-7], tracks="isotropic")
+    assert code == 0
+    assert json.loads(out)["metrics"]["bacc"] == float(ss.ride_metrics(ss.QuarterCar(), road).bacc)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "road.csv: wavenumber must be two or more finite numbers > 0 cycle/m"),
+        ("0.1,0\n1,1e-6\n", "road.csv: psd must be two or more finite numbers > 0 m^3"),
+        ("1,1e-6\n0.1,1e-5\n", "road.csv: needs rising wavenumbers"),
+        ("0.1,1e-6,3\n", "road.csv, line 1: needs two columns, n (cycle/m) and G_d (m^3), got 3"),
+        ("# survey\n\nn;G\n0.1;1e-5\n0,2;1e-5\n", "road.csv, line 5: 0,2 is written with a decimal comma; write 0.2"),
+        ("0,1;1e-5\n1;1e-6\n", "road.csv, line 1: 0,1 is written with a decimal comma"),
+        ("n,G\n0.1,x\n", "road.csv, line 2: needs a number"),
+    ],
+)
+def test_what_is_no_spectrum(run, tmp_path, text, said):
+    (tmp_path / "road.csv").write_text(text, encoding="utf-8")
+    code, out, err = run("metrics", "--spectrum", tmp_path / "road.csv")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert said in err

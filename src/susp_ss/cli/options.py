@@ -3,6 +3,7 @@
 import dataclasses
 import inspect
 import math
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -254,7 +255,11 @@ def _surface(road: "Road", waviness: str | None, knee: str | None, spectrum: Pat
         if rough or len(exponents) == 2:
             raise Refusal("--spectrum says how rough the road is; pass no class, roughness or knee with it")
         n, G = _spectrum(spectrum)
-        measured_road = Road.from_psd(n, G, exponents[0] if exponents else 2.0)
+        try:
+            measured_road = Road.from_psd(n, G, exponents[0] if exponents else 2.0)
+        except (TypeError, ValueError) as error:
+            said = re.sub(r"Road[.]from_psd(?:\((\w+)=[.]{3}\))? ", r"\1 ", str(error)).strip()
+            raise Refusal(f"--spectrum {spectrum}: {said}") from error
         surface = {name: getattr(measured_road, name) for name in ("roughness", "waviness", "table")}
     elif len(exponents) == 2:
         at = {} if knee is None else {"knee": number("--knee", knee)}
@@ -265,23 +270,22 @@ def _surface(road: "Road", waviness: str | None, knee: str | None, spectrum: Pat
     return dataclasses.replace(road, **surface)
 
 
-def _spectrum(path: Path) -> "tuple[NDArray[np.float64], NDArray[np.float64]]":
+def _spectrum(path: Path) -> "tuple[list[float], list[float]]":
     """Wavenumbers and values of a file of two columns, with or without a line of names."""
-    import pandas as pd
+    from ..fit.runs import like_number, records_of
 
-    try:
-        table = pd.read_csv(path, sep=None, engine="python", header=None, comment="#")
-    except (OSError, ValueError, UnicodeError) as error:
-        raise Refusal(f"--spectrum {path}: {error}") from None
-    if table.shape[1] != 2:
-        raise Refusal(f"--spectrum {path} must have two columns, n (cycle/m) and G_d (m^3), got {table.shape[1]}")
-    numbers = table.apply(pd.to_numeric, errors="coerce")
-    bad = numbers.isna().any(axis=1)
-    if bad.iloc[1:].any():
-        line = int(bad.iloc[1:].idxmax()) + 1
-        raise Refusal(f"--spectrum {path}, line {line}: needs two numbers, got {list(table.loc[line - 1])}")
-    known = numbers[~bad].to_numpy(dtype=float)
-    return known[:, 0], known[:, 1]
+    with refusals():
+        lines = records_of(path)
+    if lines and not any(map(like_number, lines[0][1])):
+        lines = lines[1:]
+    n, G = [], []
+    for line, cells in lines:
+        where = f"--spectrum {path}, line {line}"
+        if len(cells) != 2:
+            raise Refusal(f"{where}: needs two columns, n (cycle/m) and G_d (m^3), got {len(cells)}")
+        n.append(number(where, cells[0]))
+        G.append(number(where, cells[1]))
+    return n, G
 
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON, SI units, in place of tables.")]

@@ -188,7 +188,7 @@ class _Table(NamedTuple):
 
 def _read_text(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, str]) -> _Table:
     columns = {**inputs, **outputs}
-    records = _records(path)
+    records = records_of(path)
     if not records:
         raise ValueError(f"{path}: no header, the file has no text")
     (header_line, header), *records = records
@@ -204,7 +204,7 @@ def _read_text(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, str]
     return _Table(lines[1:], {name: cells[1:] for name, cells in found.items()}, units, lines[0])
 
 
-def _records(path: Path) -> list[tuple[int, list[str]]]:
+def records_of(path: Path) -> list[tuple[int, list[str]]]:
     """The lines of a text file that hold something, each with its number and its cells."""
     lines = ["\n" if line.startswith("#") else line for line in io.StringIO(utf8_text(path), newline=None)]
     header = next((line.strip() for line in lines if line.strip()), "")
@@ -228,7 +228,7 @@ def _stated(path: Path, line: int, columns: Mapping[str, str], cells: Mapping[st
     units = {
         name: cell
         for name, cell in filled.items()
-        if (plain_unit(cell) in SPELT if _quantity(name).unit else not _like_number(cell))
+        if (plain_unit(cell) in SPELT if _quantity(name).unit else not like_number(cell))
     }
     other = next((name for name in filled if name not in units), None)
     certain = next((name for name, cell in units.items() if plain_unit(cell) in SPELT), None)
@@ -359,7 +359,8 @@ def _conversion(
     return kept, factors, in_file
 
 
-def _like_number(text: str) -> bool:
+def like_number(text: str) -> bool:
+    """Whether a cell is meant as a number, be it with a decimal comma."""
     return bool(NUMBER.fullmatch(text) or DECIMAL_COMMA.fullmatch(text))
 
 

@@ -19,6 +19,7 @@ from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.parameters import DesignSpace
 from ..vehicles.second_order import Layout
+from .weightings import rows_behind, say_weightings
 
 METHODS = ("covariance", "spectral", "time")
 
@@ -47,33 +48,29 @@ def metrics_in_memory(
     layout, (variances, errors) = vehicle.layout(), moments(road)
     rates, damping = layout.rates, flat.damping()
     powers = damping * variances[:, rates], None if errors is None else damping * errors[:, rates]
-    for one in dict.fromkeys(weighting.values()):
+    for one, rows in rows_behind(weighting, layout.outputs).items():
         through, their_errors = moments(road.weighted(one))
-        for name in (name for name, other in weighting.items() if other is one):
-            rows = layout.outputs.of(name)
-            variances[:, rows] = through[:, rows]
-            if errors is not None and their_errors is not None:
-                errors[:, rows] = their_errors[:, rows]
-    metrics = _labelled(layout, space, variances, errors, powers)
-    for name, one in weighting.items():
-        metrics[name].attrs["weighting"] = one.name
-    return metrics
+        variances[:, rows] = through[:, rows]
+        if errors is not None and their_errors is not None:
+            errors[:, rows] = their_errors[:, rows]
+    return _labelled(layout, space, variances, errors, powers, weighting)
 
 
 def template(layout: Layout, method: str, weighting: Mapping[str, Filter]) -> xr.Dataset:
     """Metrics of one design as `metrics_in_memory` returns them, without their values."""
     nothing, power = np.zeros((1, len(layout.outputs))), np.zeros((1, len(layout.corners) if layout.dampers else 0))
     timed = method == "time"
-    metrics = _labelled(
-        layout, DesignSpace.over((), ""), nothing, nothing if timed else None, (power, power if timed else None)
-    )
-    for name, one in weighting.items():
-        metrics[name].attrs["weighting"] = one.name
-    return metrics
+    errors, powers = nothing if timed else None, (power, power if timed else None)
+    return _labelled(layout, DesignSpace.over((), ""), nothing, errors, powers, weighting)
 
 
 def _labelled(
-    layout: Layout, space: DesignSpace, variances: Array, errors: Array | None, powers: tuple[Array, Array | None]
+    layout: Layout,
+    space: DesignSpace,
+    variances: Array,
+    errors: Array | None,
+    powers: tuple[Array, Array | None],
+    weighting: Mapping[str, Filter],
 ) -> xr.Dataset:
     """Root mean squares of variances (designs, outputs), which they replace, and damper powers, with their errors."""
     power, of_power = powers
@@ -81,6 +78,7 @@ def _labelled(
     metrics = labelled_outputs(layout, roots, power, space, long_name="{statistic} {meaning}")
     if "dtl" in metrics:
         metrics.dtl.attrs["comment"] = INFINITE
+    say_weightings(metrics, weighting)
     if errors is None or of_power is None:
         return metrics
     with np.errstate(divide="ignore", invalid="ignore"):

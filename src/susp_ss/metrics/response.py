@@ -148,7 +148,8 @@ class Response:
                 raise ValueError(f"value must be one number or one a design, {(len(columns),)}, got {np.shape(value)}")
             settings[self.parameter] = np.broadcast_to(np.asarray(value), len(columns))
         ofroad = {name: settings.pop(name) for name in ROAD if name in settings}
-        return self._metric(dataclasses.replace(self.road, **ofroad), settings, len(columns))
+        road = dataclasses.replace(self.road, **ofroad) if ofroad else self.road
+        return self._metric(road, settings, len(columns))
 
     def _metric(self, road: Road, settings: Mapping[str, Array], n: int) -> Array:
         """The metric (n,) of the vehicles on roads that columns of numbers make."""

@@ -17,7 +17,7 @@ from ..responses.labels import labelled_outputs
 from ..responses.settings import Setting, settable
 from ..roads.road import Road
 from ..vehicles.vehicle import Vehicle
-from .weightings import filters
+from .weightings import filters, rows_behind, say_weightings
 
 # Designs differentiated together: few enough to stay near the processor with all their tangents.
 BATCH = 64
@@ -100,9 +100,9 @@ def sensitivity(
         if name in space.coords or name in space.dims:
             raise ValueError(f"{type(vehicle).__name__} has a dim or coordinate named {name!r}, which results use")
     table, rms, power = vehicle.layout().outputs, [], []
-    rates = table.of("sws_rate")
+    rates, behind = table.of("sws_rate"), rows_behind(weighted, table)
     variances = covariance_variances(flat, space, ground)
-    through = {one: covariance_variances(flat, space, ground.weighted(one)) for one in set(weighted.values())}
+    through = {one: covariance_variances(flat, space, ground.weighted(one)) for one in behind}
 
     def slopes(road: Road, variances: NDArray[np.float64], batch: slice) -> tuple[Tangents, NDArray[np.float64]]:
         """Tangents of some designs, and derivatives (P, N, outputs) of the root mean squares."""
@@ -117,8 +117,7 @@ def sensitivity(
         tangents, values = slopes(ground, variances, batch)
         for one, their_variances in through.items():
             _, theirs = slopes(ground.weighted(one), their_variances, batch)
-            for name in (name for name, other in weighted.items() if other is one):
-                values[..., table.of(name)] = theirs[..., table.of(name)]
+            values[..., behind[one]] = theirs[..., behind[one]]
         rms.append(values)
         with np.errstate(invalid="ignore"):
             change = tangents.damping.tangent * variances[batch, rates]
@@ -129,8 +128,7 @@ def sensitivity(
     coords = {"parameter": list(settings), "unit": ("parameter", units)}
     long_name = "derivative of {statistic} {meaning} by each parameter"
     slope = labelled_outputs(vehicle.layout(), values, powers, space, ("parameter",), coords, long_name)
-    for name, one in weighted.items():
-        slope[name].attrs["weighting"] = one.name
+    say_weightings(slope, weighted)
     return slope.transpose(*space.dims, "parameter", ...)
 
 

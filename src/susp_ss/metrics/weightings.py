@@ -7,10 +7,12 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
 
 from ..quantities import briefly
 from ..responses.filters import Filter
-from ..vehicles.second_order import Layout
+from ..vehicles.second_order import Layout, Outputs
 
 if TYPE_CHECKING:
     import control
@@ -138,9 +140,18 @@ def filters(given: Any, layout: Layout) -> dict[str, Filter]:
 
 
 def _filter(given: Any, where: str) -> Filter:
-    if isinstance(given, Filter):
-        return given
-    if isinstance(given, str):
-        weighting(given)  # says which there are
-        return _named(given)
-    return Filter(given, where)
+    return _named(given) if isinstance(given, str) else Filter(given, where)
+
+
+def rows_behind(weighted: Mapping[str, Filter], outputs: Outputs) -> dict[Filter, NDArray[np.int_]]:
+    """The rows of the output table behind each filter."""
+    rows: dict[Filter, list[NDArray[np.int_]]] = {}
+    for name, one in weighted.items():
+        rows.setdefault(one, []).append(np.arange(len(outputs))[outputs.of(name)])
+    return {one: np.concatenate(some) for one, some in rows.items()}
+
+
+def say_weightings(results: xr.Dataset, weighted: Mapping[str, Filter]) -> None:
+    """Name the filter of each variable in its attributes."""
+    for name, one in weighted.items():
+        results[name].attrs["weighting"] = one.name

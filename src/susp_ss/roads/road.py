@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -291,8 +292,8 @@ class Road:
     def standard(self) -> Road:
         """The same surface with unit roughness and speed, and nothing between it and a wheel."""
         standard = self.mapped(lambda _: 1.0)
-        plain = {"cutoff": 0.0, "contact_length": 0.0, "tracks": "isotropic", "delay": True, "wheels": None}
-        for name, value in (plain | {"weighting": None}).items():
+        plain: dict[str, Any] = {"cutoff": 0.0, "contact_length": 0.0, "tracks": "isotropic", "delay": True}
+        for name, value in {**plain, "wheels": None, "weighting": None}.items():
             object.__setattr__(standard, name, value)
         return standard
 
@@ -309,7 +310,7 @@ class Road:
 
     def weighted(self, weighting: Any) -> Self:
         """The road as an output sees it through a filter: a filter on the output may as well stand on the road."""
-        weighted = self.mapped(lambda x: x)
+        weighted = copy.copy(self)
         object.__setattr__(weighted, "weighting", weighting)
         return weighted
 

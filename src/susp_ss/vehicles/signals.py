@@ -9,7 +9,10 @@ import numpy as np
 
 from ..quantities import DIMS, METRICS, Quantity, briefly, signal
 from .contract import RoadVehicle
+from .full import FullCar
+from .half import PitchHalfCar, RollHalfCar
 from .linkage import Wheel
+from .quarter import QuarterCar
 from .second_order import Array, Row
 from .vehicle import Vehicle
 
@@ -18,21 +21,12 @@ if TYPE_CHECKING:
 
 HEIGHT, RATE = "z_r", "dz_r"
 
-KNOWN_WHEELS = {
-    frozenset({""}): {"": Wheel(0, 0)},
-    frozenset({"fr", "fl", "rr", "rl"}): {
-        "fr": Wheel(0, -1),
-        "fl": Wheel(0, 1),
-        "rr": Wheel(1, -1),
-        "rl": Wheel(1, 1),
-    },
-    frozenset({"f", "r"}): {"f": Wheel(0, 0), "r": Wheel(1, 0)},
-    frozenset({"r", "l"}): {"r": Wheel(0, -1), "l": Wheel(0, 1)},
-}
+KNOWN_WHEELS = {frozenset(kind.wheels): kind.wheels for kind in (QuarterCar, PitchHalfCar, RollHalfCar, FullCar)}
 """Where wheels of these names run, as on the package's own vehicles."""
 
 
 def check_system(system: Any) -> None:
+    """Say what is no continuous state space with states, outputs and finite matrices."""
     import control
 
     where = "LinearVehicle(system=...)"
@@ -98,6 +92,7 @@ def checked_wheels(wheels: Mapping[str, tuple[int, int]] | None, driven: tuple[s
 
 
 def length(name: str, value: Any) -> float:
+    """A wheelbase or track width in m, or what is wrong with it."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise TypeError(f"LinearVehicle({name}=...) must be one number >= 0 m, got {briefly(value)}")
     if not (np.isfinite(value) and value >= 0.0):

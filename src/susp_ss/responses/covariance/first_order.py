@@ -33,6 +33,11 @@ class PassedOn(NamedTuple):
     lagged: Any
     states: Any
 
+    def through(self, now: Any, late: Any, with_now: Any, with_late: Any) -> Any:
+        """What outputs (N, outputs) gain by passing it on, now and late, and by going with it in the states."""
+        crossed = now * with_now + late * with_late + now * late * self.lagged
+        return 2.0 * crossed + (now * now + late * late) * self.variance
+
 
 class Correlations:
     """Correlations of the states of N designs with a process, now and a delay ago.

@@ -178,8 +178,7 @@ def _solved(vehicle: RoadVehicle, model: Any, road: Road, N: int) -> Moments:
             passed = stirred.passed_on(at_once[..., None], (drift - at_once)[..., None])
             with_velocity = [np.concatenate([stretch[..., None] * x, h], axis=-2) for x, h in passed.states]
             with_now, with_late = ((Y @ x)[..., 0] for x in with_velocity)
-            through += 2.0 * (now * with_now + late * with_late + now * late * passed.lagged)
-            through += (now**2 + late**2) * passed.variance
+            through += passed.through(now, late, with_now, with_late)
 
     X, error = dynamics.lyapunov(Q)
     X = X * (stretch[..., :, None] * stretch[..., None, :])

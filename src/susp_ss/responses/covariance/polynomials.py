@@ -103,26 +103,13 @@ class TwoStruts(NamedTuple):
     tyre_2: Any
 
 
-class StrutMoments(NamedTuple):
-    """Of `TwoStruts`, what follows from the deflections' autocorrelations alone."""
-
-    force_1: Any
-    force_2: Any
-    force_12: Any
-    deflection_1: Any
-    deflection_2: Any
-    rate_1: Any
-    rate_2: Any
-    load_1: Any
-    load_2: Any
-
-
 class Wheel(NamedTuple):
-    """Mass of a wheel, and spring and damper of the suspension on it."""
+    """Mass of a wheel, spring and damper of the suspension on it, and the stiffness of its tyre."""
 
     m: Any
     k: Any
     c: Any
+    kt: Any
 
 
 class Joint(NamedTuple):
@@ -426,17 +413,9 @@ def two_struts(struts: Array, body: Body, road: Track, delay: Delay, damped: boo
     T1, T2, across = scaled(T1, monic), scaled(T2, monic), -u12
     a1, b1 = product(T1, Q2), scaled(product(T2, product(E1, kappa2)), across)
     a2, b2 = product(T2, Q1), scaled(product(T1, product(E2, kappa1)), across)
-    own1, own2, cross, tyres = np.zeros((3, N)), np.zeros((3, N)), np.zeros((4, N)), np.zeros((2, N))
-    t1, t2, through1, through2 = a1, a2, b1, b2
-    if damped:
-        # Those of (m s w + F) / E, of which E is a factor.
-        kappas = scaled(product(kappa1, kappa2), across)
-        t1 = tyre_numerator(struts[0], Q2, u11, scaled(product(kappas, E2), across), monic)
-        t2 = tyre_numerator(struts[1], Q1, u22, scaled(product(kappas, E1), across), monic)
-        through1, through2 = product(kappas, T2), product(kappas, T1)
+    own1, own2, cross, later = np.zeros((3, N)), np.zeros((3, N)), np.zeros((4, N)), np.zeros((0, N))
     if delay.steps == 0:
         a1, a2 = plus(a1, b1), plus(a2, b2)
-        t1, t2 = plus(t1, through1), plus(t2, through2)
         P1, P2, P12 = modulus(a1), modulus(a2), product(a1, reflected(a2))
     else:
         P1, P2 = plus(modulus(a1), modulus(b1)), plus(modulus(a2), modulus(b2))
@@ -445,11 +424,6 @@ def two_struts(struts: Array, body: Body, road: Track, delay: Delay, damped: boo
         own1[k], own2[k] = applied(P1, zero[k:]), applied(P2, zero[k:])
     for k in range(4):
         cross[k] = applied(every_other(P12, k % 2), zero[(k + 1) // 2 :])
-    if damped:
-        tyres[0], tyres[1] = applied(modulus(t1), zero), applied(modulus(t2), zero)
-    if damped and delay.steps > 0:
-        tyres[0] += applied(modulus(through1), zero)
-        tyres[1] += applied(modulus(through2), zero)
     if delay.steps > 0:
         A = plus(np.zeros((1, N)), D, 2) if rolls else D
         g, h = fading(real_colours, real_both, rolls), fading(swinging_colours, swinging_both, rolls)
@@ -464,15 +438,23 @@ def two_struts(struts: Array, body: Body, road: Track, delay: Delay, damped: boo
             own2[k] += 2.0 * applied(P2, later[2 * k :])
         for k in range(4):
             cross[k] += applied(ahead, later[k:]) + (-1.0) ** k * applied(behind, later[k:])
-        if damped:
-            tyres[0] += 2.0 * applied(product(t1, reflected(through1)), later)
-            tyres[1] += 2.0 * applied(product(through2, reflected(t2)), later)
-    out = np.zeros((11, N))
-    out[:9] = read_off(struts, compliance, own1, own2, cross)
-    for i in range(2):
-        # Without damping the tyre's force tells its deflection.
-        out[9 + i] = tyres[i] if damped else out[7 + i] / struts[i, 3] ** 2
+    out = read_off(struts, compliance, own1, own2, cross)
+    if damped:
+        # Numerators of (m s w + F) / E, of which E is a factor, by the road at once and by the road later.
+        kappas = scaled(product(kappa1, kappa2), across)
+        t1 = tyre_numerator(struts[0], Q2, u11, scaled(product(kappas, E2), across), monic)
+        t2 = tyre_numerator(struts[1], Q1, u22, scaled(product(kappas, E1), across), monic)
+        out[9] = variance(t1, product(kappas, T2), zero, later)
+        out[10] = variance(product(kappas, T1), t2, zero, later)
     return out
+
+
+def variance(now: Array, behind: Array, zero: Array, later: Array) -> Array:
+    """Of what ``now`` makes of a road and ``behind`` of the same road a delay ago, or at once where there is none."""
+    if len(later) == 0:
+        return applied(modulus(plus(now, behind)), zero)
+    alone = applied(modulus(now), zero) + applied(modulus(behind), zero)
+    return alone + 2.0 * applied(product(now, reflected(behind)), later)
 
 
 def tyre_numerator(strut: Array, Q: Array, u: Array, coupled: Array, monic: Array) -> Array:
@@ -484,16 +466,16 @@ def tyre_numerator(strut: Array, Q: Array, u: Array, coupled: Array, monic: Arra
 
 def read_off(struts: Array, compliance: Array, own1: Array, own2: Array, cross: Array) -> Array:
     """Rows of `two_struts`, for every design at once."""
-    one, other = (Wheel(strut[0], strut[1], strut[2]) for strut in struts)
+    one, other = (Wheel(strut[0], strut[1], strut[2], strut[3]) for strut in struts)
     joint = Joint(compliance[0, 0], compliance[1, 1], compliance[0, 1])
     return np.stack(combined(one, other, joint, Even(*own1), Even(*own2), Cross(*cross)))
 
 
-def combined(one: Wheel, other: Wheel, joint: Joint, d1: Even, d2: Even, cross: Cross) -> StrutMoments:
-    """Strut forces, deflections, rates and tyre loads from those of the deflections, element by element."""
+def combined(one: Wheel, other: Wheel, joint: Joint, d1: Even, d2: Even, cross: Cross) -> TwoStruts:
+    """All variances from those of the deflections, element by element, as if no tyre were damped."""
     rate1, rate2 = -d1.bend, -d2.bend
-    m1, k1, c1 = one
-    m2, k2, c2 = other
+    m1, k1, c1, kt1 = one
+    m2, k2, c2, kt2 = other
     F1, F2 = k1 * k1 * d1.value + c1 * c1 * rate1, k2 * k2 * d2.value + c2 * c2 * rate2
     F12 = k1 * k2 * cross.value - c1 * c2 * cross.bend + (c1 * k2 - k1 * c2) * cross.slope
     # Tyre load F + m (u_ii F + u_ij F_j + d''): the wheel accelerates with the body point and along the deflection.
@@ -503,7 +485,8 @@ def combined(one: Wheel, other: Wheel, joint: Joint, d1: Even, d2: Even, cross: 
     bend, third = cross.bend, cross.third
     load1 = own1 + 2.0 * (s1 * t1 * F12 - s1 * m1 * k1 * rate1 + t1 * m1 * (k2 * bend - c2 * third))
     load2 = own2 + 2.0 * (s2 * t2 * F12 - s2 * m2 * k2 * rate2 + t2 * m2 * (k1 * bend + c1 * third))
-    return StrutMoments(F1, F2, F12, d1.value, d2.value, rate1, rate2, load1, load2)
+    tyre1, tyre2 = load1 / kt1**2, load2 / kt2**2
+    return TwoStruts(F1, F2, F12, d1.value, d2.value, rate1, rate2, load1, load2, tyre1, tyre2)
 
 
 def wheel(strut: Array) -> Array:

@@ -211,17 +211,17 @@ def _read_off(struts, compliance, own1, own2, cross):
     combined = register_jitable(**OPTIONS)(polynomials.combined)
 
     def read_off(struts, compliance, own1, own2, cross):
-        out = np.empty((9, own1.shape[1]))
+        out = np.empty((11, own1.shape[1]))
         for N in range(own1.shape[1]):
             rows = combined(
-                Wheel(struts[0, 0, N], struts[0, 1, N], struts[0, 2, N]),
-                Wheel(struts[1, 0, N], struts[1, 1, N], struts[1, 2, N]),
+                Wheel(struts[0, 0, N], struts[0, 1, N], struts[0, 2, N], struts[0, 3, N]),
+                Wheel(struts[1, 0, N], struts[1, 1, N], struts[1, 2, N], struts[1, 3, N]),
                 Joint(compliance[0, 0, N], compliance[1, 1, N], compliance[0, 1, N]),
                 Even(own1[0, N], own1[1, N], own1[2, N]),
                 Even(own2[0, N], own2[1, N], own2[2, N]),
                 Cross(cross[0, N], cross[1, N], cross[2, N], cross[3, N]),
             )
-            for i in range(9):
+            for i in range(11):
                 out[i, N] = rows[i]
         return out
 
@@ -238,6 +238,7 @@ for function in (
     polynomials.carried,
     polynomials.wheel,
     polynomials.tyre_numerator,
+    polynomials.variance,
     polynomials.one_strut,
     polynomials.two_struts,
 ):

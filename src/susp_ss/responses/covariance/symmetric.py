@@ -104,32 +104,35 @@ def problems(halves: Sequence[OnStruts], vehicle: RoadVehicle, road: Road, N: in
 
 
 def _problem(half: OnStruts, road: Road, process: Process, tau: Array, width: Array) -> Problem:
-    def stacked(rows: Any) -> Array:
-        out = np.empty((len(rows), len(tau)))
-        for row, values in zip(out, rows, strict=True):
-            row[:] = values
-        return out
-
+    N = len(tau)
     spectrum = roads.colours(road, process.share, process.sign, width)
     count = range(len(half.struts))
     body = half.body.items()
     per_force = {name: [mode.mobility * arm for arm in mode.arms] for name, mode in body}
     return Problem(
         places=tuple(half.struts),
-        struts=np.stack([stacked(strut) for strut in half.struts.values()]),
+        struts=np.stack([columns(N, strut) for strut in half.struts.values()]),
         body=Body(
-            np.stack([stacked([half.compliance(i, j) for j in count]) for i in count]),
-            stacked([half.rigidity()])[0],
+            np.stack([columns(N, [half.compliance(i, j) for j in count]) for i in count]),
+            columns(N, [half.rigidity()])[0],
             len(body) == 1,
         ),
         accelerations={
-            name: stacked([sum(share * per_force[mode][i] for mode, share in shares.items()) for i in count])
+            name: columns(N, [sum(share * per_force[mode][i] for mode, share in shares.items()) for i in count])
             for name, shares in half.points.items()
         },
         road=as_track(spectrum),
         tau=tau,
         delayed=bool(process.later.any()),
     )
+
+
+def columns(N: int, rows: Sequence[Any]) -> Array:
+    """Numbers, or one a design, as rows (..., N) in memory order."""
+    out = np.empty((len(rows), N))
+    for row, values in zip(out, rows, strict=True):
+        row[:] = values
+    return out
 
 
 def as_track(spectrum: roads.Colours) -> Track:

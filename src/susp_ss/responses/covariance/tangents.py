@@ -96,8 +96,7 @@ def variance_tangents(vehicle: Vehicle, road: Road, settings: Sequence[Setting],
             at_once, late = system.D @ process.now, system.D @ process.later
             passed = stirred.passed_on(*warped)
             with_now, with_late = ((system.Y @ x)[:, :, 0] + system.on_warp * w[:, :, 0] for x, w in passed.states)
-            through += 2.0 * (at_once * with_now + late * with_late + at_once * late * passed.lagged)
-            through += (at_once * at_once + late * late) * passed.variance
+            through += passed.through(at_once, late, with_now, with_late)
 
     X, _ = dynamics.lyapunov(Q.value)
     sway = A.tangent @ X
@@ -155,7 +154,7 @@ def _system(vehicle: Vehicle, model: SecondOrder, settings: Sequence[Setting], N
 
 def _spectrum(road: Road, process: Process, width: Dual, ground: dict[str, Dual]) -> Spectrum:
     """The spectrum with its derivatives along the track width and what a design sets of a road."""
-    there = road.mapped(lambda x: x)
+    there = copy.copy(road)
     for name, value in ground.items():
         object.__setattr__(there, name, value[:, None])
     terms = colours(there, process.share, process.sign, width)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from ..excitation import Process, delay, processes, steep
 from . import digits, struts
 from .polynomials import Array, Track
 from .struts import Chassis
-from .symmetric import as_track
+from .symmetric import as_track, columns
 
 # A delay is walked in steps in which no root turns by more than this many radians: a bound some half above the fastest,
 # of which a step of 20 keeps twelve digits.
@@ -115,12 +114,6 @@ class Problem(NamedTuple):
 def problem(whole: OnStruts, vehicle: RoadVehicle, road: Road, N: int) -> Problem:
     """N designs of a vehicle on a road."""
 
-    def stacked(rows: Sequence[Any]) -> Array:
-        out = np.empty((len(rows), N))
-        for row, values in zip(out, rows, strict=True):
-            row[:] = values
-        return out
-
     width = np.broadcast_to(np.asarray(vehicle.track_width, dtype=float), N)
     corners = list(whole.struts)
 
@@ -131,18 +124,18 @@ def problem(whole: OnStruts, vehicle: RoadVehicle, road: Road, N: int) -> Proble
     return Problem(
         places=tuple(name for (name,) in corners),
         chassis=Chassis(
-            struts=np.stack([stacked(strut) for strut in whole.struts.values()]),
+            struts=np.stack([columns(N, strut) for strut in whole.struts.values()]),
             pairs=np.array([[corners.index(corner) for corner in pair] for pair in whole.bars], int).reshape(-1, 2),
-            bars=stacked(list(whole.bars.values())),
-            mobility=stacked([mode.mobility for mode in whole.body.values()]),
-            arms=np.stack([stacked(mode.arms) for mode in whole.body.values()]),
+            bars=columns(N, list(whole.bars.values())),
+            mobility=columns(N, [mode.mobility for mode in whole.body.values()]),
+            arms=np.stack([columns(N, mode.arms) for mode in whole.body.values()]),
         ),
         points={
-            name: stacked([shares.get(coordinate, 0.0) for coordinate in whole.body])
+            name: columns(N, [shares.get(coordinate, 0.0) for coordinate in whole.body])
             for name, shares in whole.points.items()
         },
         excited=tuple(stirred(process) for process in processes(vehicle, road)),
-        tau=stacked([delay(vehicle, road)])[0],
+        tau=columns(N, [delay(vehicle, road)])[0],
     )
 
 
