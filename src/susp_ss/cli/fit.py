@@ -21,7 +21,8 @@ def run(
     vehicle: "Vehicle",
     road: "Road",
     runs: Annotated[
-        Path, typer.Argument(metavar="RUNS", help="Table of expensive runs: .csv, .txt, .tsv, .parquet or .nc.")
+        Path,
+        typer.Argument(metavar="RUNS", help="Table of expensive runs: .csv, .txt, .tsv, .xlsx, .parquet, .nc or .mat."),
     ],
     inputs: Annotated[
         list[str],
@@ -47,6 +48,16 @@ def run(
             metavar="NAME=UNIT,...",
             help="Units of columns, over those that the file states: ks=N/mm,dtl=kN.",
             show_default=False,
+        ),
+    ] = None,
+    decimal: Annotated[
+        str | None,
+        typer.Option(metavar=". or ,", help="Decimal sign of text, where no cell shows it.", show_default=False),
+    ] = None,
+    sheet: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Sheet of an Excel file, where several have the columns.", show_default=False
         ),
     ] = None,
     at: Annotated[
@@ -107,7 +118,7 @@ def run(
     with refusals():
         from ..fit import LowFidelity, fit_runs, read_runs
 
-        table = read_runs(runs, **asked, units=_pairs("--units", units or []))
+        table = read_runs(runs, **asked, units=_pairs("--units", units or []), decimal=decimal, sheet=sheet)
         fit = fit_runs(
             table,
             LowFidelity(vehicle, road, at, tune),
@@ -119,6 +130,8 @@ def run(
             random_state=seed,
             progress=True,
         )
+    if table.noted:
+        typer.echo(table.noted, err=True)
     if out is not None:
         from ..presentation.save import save
 

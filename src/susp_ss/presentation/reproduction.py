@@ -89,6 +89,7 @@ def fit_code(fit: Fit) -> str:
         {str(name): runs.columns[str(name)] for name in frame} for frame in (runs.designs, runs.responses)
     )
     read = {"path": str(runs.path), "inputs": inputs, "outputs": outputs, "units": runs.stated}
+    read |= {"decimal": runs.decimal} | ({} if runs.sheet is None else {"sheet": runs.sheet})
     return "\n".join(
         [
             "import susp_ss as ss\n",
