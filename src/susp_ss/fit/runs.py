@@ -8,7 +8,7 @@ SI units -> checks of the runs together. A table is taken whole or refused in on
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from os import PathLike
@@ -36,42 +36,38 @@ class Runs:
     responses : pandas.DataFrame, (n, m)
         In SI units, one column an output.
     rows : ndarray, (n,)
-        Where each run stands in the file: its line, the first being 1, or where the file is no text its row.
+        Where each run stands: its line in the file, the first being 1, or where the file is no text its row; of
+        histories the name of its file.
     path : Path
-        The file.
+        The file, or the folder of the histories.
     units : dict
         Unit of each name: SI, or as the file or the caller stated it where the name is not known to the package.
     columns : dict
         Column of each name in the file.
     stated : dict
         Unit of each column, in which the file's numbers are.
-    decimal : str
-        The decimal sign of its text.
-    sheet : str or None
-        Of an Excel file, if one was asked for.
+    read : (str, dict)
+        The function that read them, and its arguments with all that was guessed.
+    row_word : str
+        What ``rows`` counts: lines, rows, or files.
     noted : str
         What was guessed of the file, in one line; nothing where nothing was.
     """
 
     designs: pd.DataFrame
     responses: pd.DataFrame
-    rows: NDArray[np.int_]
+    rows: NDArray[Any]
     path: Path
     units: dict[str, str]
     columns: dict[str, str]
     stated: dict[str, str]
-    decimal: str = "."
-    sheet: str | None = None
+    read: tuple[str, dict[str, Any]]
+    row_word: str = "line"
     noted: str = ""
-
-    @property
-    def row_word(self) -> str:
-        """What ``rows`` counts: lines of a text, else rows."""
-        return row_word(self.path)
 
     def place(self, run: int, name: str) -> str:
         """Say where the number of a run, 0 to n - 1, stands: ``runs.csv, line 7, column 'K_S'``."""
-        return place(self.path, self.columns[name], self.rows[run])
+        return f"{self.path}, {self.row_word} {self.rows[run]}, column {self.columns[name]!r}"
 
 
 def read_runs(
@@ -148,28 +144,31 @@ def read_runs(
     'runs.csv: cells between semicolons, decimal commas, ks in N/mm, bacc in m/s²'
     """
     path, columns = Path(path), {**inputs, **outputs}
-    given = _check_asked(inputs, outputs, units or {})
+    given = check_asked(inputs, outputs, units or {})
     asked = checked_sign(decimal)
     table = read_table(path, inputs, outputs, sheet)
     if not table.rows:
         raise ValueError(f"{path}: no runs, only column names")
     columns = {name: table.headings[name] for name in columns}
-    kept, factors, stated = _conversion(path, columns, table, given)
-    sign = asked or decimal_sign(_texts(path, columns, table), table.separator)
-    values = [
-        [_value(name, table.cells[name][run], factors[name], sign, place(path, columns[name], row)) for name in columns]
-        for run, row in enumerate(table.rows)
-    ]
-    frame = pd.DataFrame(values, columns=list(columns), dtype=float)
+    frame, kept, stated, sign = in_si_units(path, columns, table, given, asked)
     noted = _noted(path, table, sign if asked is None else ".", given)
-    rows = np.array(table.rows)
-    runs = Runs(frame[list(inputs)], frame[list(outputs)], rows, path, kept, columns, stated, sign, sheet, noted)
-    _check_together(runs)
+    read = {"path": str(path), "inputs": dict(inputs), "outputs": dict(outputs), "units": stated, "decimal": sign}
+    read |= {} if sheet is None else {"sheet": sheet}
+    made = ("read_runs", read)
+    rows, word = np.array(table.rows), row_word(path)
+    runs = Runs(frame[list(inputs)], frame[list(outputs)], rows, path, kept, columns, stated, made, word, noted)
+    check_together(runs)
     return runs
 
 
-def _check_asked(inputs: Mapping[str, str], outputs: Mapping[str, str], units: Mapping[str, str]) -> dict[str, str]:
-    """Units by name, as they may be stated by column; what is asked for must be there, and once only."""
+def check_asked(inputs: Mapping[str, str], outputs: Mapping[str, str], units: Mapping[str, str]) -> dict[str, str]:
+    """Units by name, as they may be stated by column; what is asked for must be there, and once only.
+
+    Raises
+    ------
+    ValueError
+        Nothing asked for, or something twice, or a unit of what is not asked for.
+    """
     for what, names in (("inputs", inputs), ("outputs", outputs)):
         if not names:
             raise ValueError(f"{what} must name at least one column, got none")
@@ -195,7 +194,26 @@ def _check_asked(inputs: Mapping[str, str], outputs: Mapping[str, str], units: M
 # Cells -> numbers in SI units
 
 
-def _conversion(
+def in_si_units(
+    path: Path, columns: Mapping[str, str], table: Table, given: Mapping[str, str], decimal: Sign | None
+) -> tuple[pd.DataFrame, dict[str, str], dict[str, str], Sign]:
+    """The columns as numbers in SI units, the unit of each in `Runs` and in the file, and the decimal sign.
+
+    Raises
+    ------
+    ValueError
+        A cell that is no number or beyond its bound, or a unit of another kind, with its place.
+    """
+    kept, factors, stated = conversion(path, columns, table, given)
+    sign = decimal or decimal_sign(texts(path, columns, table), table.separator)
+    values = [
+        [_value(name, table.cells[name][run], factors[name], sign, place(path, columns[name], row)) for name in columns]
+        for run, row in enumerate(table.rows)
+    ]
+    return pd.DataFrame(values, columns=list(columns), dtype=float), kept, stated, sign
+
+
+def conversion(
     path: Path, columns: Mapping[str, str], table: Table, given: Mapping[str, str]
 ) -> tuple[dict[str, str], dict[str, float], dict[str, str]]:
     """Unit of each name in `Runs`, the factor that takes the file's numbers there, and the unit that these are in."""
@@ -213,28 +231,46 @@ def _conversion(
     return kept, factors, in_file
 
 
-def _texts(path: Path, columns: Mapping[str, str], table: Table) -> list[tuple[str, str]]:
+def texts(path: Path, columns: Mapping[str, str], table: Table) -> Iterator[tuple[str, str]]:
     """Every cell that is text, with its place."""
-    return [
+    return (
         (place(path, column, row), cell)
         for name, column in columns.items()
         for row, cell in zip(table.rows, table.cells[name], strict=True)
         if isinstance(cell, str)
-    ]
+    )
 
 
 def _value(name: str, cell: Any, factor: float, decimal: Sign, where: str) -> float:
     if cell is None or cell == "":
         raise ValueError(f"{where}: {name} needs a number, got an empty cell")
-    plain = isinstance(cell, (int, float, Decimal)) and not isinstance(cell, bool)
-    read = number(cell, decimal) if isinstance(cell, str) else float(cell) if plain else None
+    read = cell_number(cell, decimal)
     if read is None:
         raise ValueError(f"{where}: {name} needs a number, got {briefly(cell)}")
-    value, bound = read * factor, quantity(name).bound
+    return bounded(name, read * factor, where, cell)
+
+
+def bounded(name: str, value: float, where: str, got: Any) -> float:
+    """Return a finite number within the bound of its name.
+
+    Raises
+    ------
+    ValueError
+        It is not.
+    """
+    bound = quantity(name).bound
     within = {"> 0": value > 0.0, ">= 0": value >= 0.0, "": True}[bound]
     if not np.isfinite(value) or not within:
-        raise ValueError(f"{where}: {name} must be finite{f' and {bound}' if bound else ''}, got {cell}")
+        raise ValueError(f"{where}: {name} must be finite{f' and {bound}' if bound else ''}, got {got}")
     return value
+
+
+def cell_number(cell: Any, decimal: Sign) -> float | None:
+    """The number of a cell, be it text or not; None if it holds none."""
+    if isinstance(cell, str):
+        return number(cell, decimal)
+    plain = isinstance(cell, (int, float, Decimal)) and not isinstance(cell, bool)
+    return float(cell) if plain else None
 
 
 def _noted(path: Path, table: Table, decimal: str, given: Mapping[str, str]) -> str:
@@ -247,8 +283,14 @@ def _noted(path: Path, table: Table, decimal: str, given: Mapping[str, str]) -> 
 # The runs together
 
 
-def _check_together(runs: Runs) -> None:
-    """Refuse one design of two results, and an input that never changes."""
+def check_together(runs: Runs) -> None:
+    """Refuse one design of two results, and an input that never changes.
+
+    Raises
+    ------
+    ValueError
+        With the place of the run.
+    """
 
     def shown(name: str, value: float) -> str:
         return f"{name} = {value} {runs.units[name]}".rstrip()

@@ -92,8 +92,9 @@ def text_table(path: Path) -> Text:
     records, line = [], 1
     try:
         for cells in reader:
-            if any(cell.strip() for cell in cells):
-                records.append((line, [cell.strip() for cell in cells]))
+            stripped = [cell.strip() for cell in cells]
+            if any(stripped):
+                records.append((line, stripped))
             # A cell in quotes may hold line breaks; a record's line is its first.
             line = reader.line_num + 1
     except csv.Error as error:
