@@ -227,7 +227,10 @@ COMMANDS = [
     ("fit --histories runs.csv --inputs ks,cs --outputs bacc", "--histories needs --cut"),
     ("fit --histories runs.csv --inputs ks,cs --outputs bacc --cut 5", "no column 'time', available"),
     ("fit --histories runs.csv --inputs ks,cs --outputs bacc --cut 5s", "--cut has no unit, got '5s'"),
-    ("fit --histories runs.csv --inputs ks,cs --outputs bacc --cut 0 --time bacc", "the input ks must not change within a run"),
+    (
+        "fit --histories runs.csv --inputs ks,cs --outputs bacc --cut 0 --time bacc",
+        "the input ks must not change within a run",
+    ),
     ("fit runs.csv --inputs ks,cs --outputs bacc --sheet A", "sheet names one of an Excel file's"),
     ("fit hole.csv --inputs ks,cs --outputs bacc", "line 3, column 'cs': cs needs a number, got an empty cell"),
     ("fit words.csv --inputs ks,cs --outputs bacc", "got 'n.a.'"),

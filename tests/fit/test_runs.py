@@ -13,8 +13,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from susp_ss.fit.runs import read_runs
-from susp_ss.fit.written import decoded, number, readings
 from susp_ss.quantities import KNOWN, UNITS
+from susp_ss.written import decoded, number, readings
 
 INPUTS, OUTPUTS = {"ks": "K_S", "cs": "C_S"}, {"bacc": "acc", "sws": "travel"}
 

@@ -272,7 +272,7 @@ def _surface(road: "Road", waviness: str | None, knee: str | None, spectrum: Pat
 
 def _spectrum(path: Path) -> "tuple[list[float], list[float]]":
     """Wavenumbers and values of a file of two columns, with or without a line of names."""
-    from ..fit import written
+    from .. import written
 
     with refusals():
         records, separator, _ = written.text_table(path)

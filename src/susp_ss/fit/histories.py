@@ -21,9 +21,9 @@ from ..progress import tracked
 from ..quantities import Quantity, briefly, metric_and_place
 from ..responses.filters import Filter
 from ..units import factor_of
+from ..written import Sign, checked_sign, decimal_sign
 from .runs import Runs, bounded, cell_number, check_asked, check_together, conversion, in_si_units, texts
 from .tables import Table, place, read_table, row_word
-from .written import Sign, checked_sign, decimal_sign
 
 Array = NDArray[np.float64]
 

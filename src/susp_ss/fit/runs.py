@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from ..quantities import briefly
 from ..units import factor_of
+from ..written import Sign, checked_sign, decimal_sign, number
 from .tables import Table, place, possible_units, quantity, read_table, row_word
-from .written import Sign, checked_sign, decimal_sign, number
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from ..quantities import KNOWN, UNITS, Quantity, quantity_of, units_of
 from ..units import plain_unit
 from ..vehicles.files import models
 from ..vehicles.system_files import matlab_variables
-from .written import SEPARATORS, like_number, text_table
+from ..written import SEPARATORS, like_number, text_table
 
 NAMES = {name: quantity for model in models().values() for name, quantity in model.quantities().items()} | KNOWN
 """Parameters of vehicles and roads, and metrics, which are root mean squares or mean powers."""

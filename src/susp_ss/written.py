@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from ..quantities import briefly
+from .quantities import briefly
 
 Sign = Literal[".", ","]
 
@@ -112,7 +112,7 @@ def number(text: str, decimal: Sign = ".") -> float | None:
 
     Examples
     --------
-    >>> from susp_ss.fit.written import number
+    >>> from susp_ss.written import number
     >>> number("18.553,5", ","), number("18 553.5"), number("1.234"), number("1.234", ",")
     (18553.5, 18553.5, 1.234, 1234.0)
     >>> number("1.23.4") is None
@@ -147,7 +147,7 @@ def decimal_sign(cells: Iterable[tuple[str, str]], separator: str = "") -> Sign:
 
     Examples
     --------
-    >>> from susp_ss.fit.written import decimal_sign
+    >>> from susp_ss.written import decimal_sign
     >>> decimal_sign([("line 2", "1.234"), ("line 3", "0,5")])
     ','
     >>> decimal_sign([("line 2", "1.234"), ("line 3", "18")])
