@@ -36,7 +36,7 @@ def models() -> dict[str, type[Vehicle]]:
     --------
     >>> from susp_ss.vehicles.files import models
     >>> list(models())
-    ['full', 'quarter', 'rigid-tyre', 'pitch-half', 'roll-half']
+    ['full', 'quarter', 'rigid-tyre', 'pitch-half', 'roll-half', 'ride-handling']
     """
     places = {name: place.partition(".") for name, place in MODELS.items()}
     return {
