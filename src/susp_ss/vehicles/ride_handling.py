@@ -241,7 +241,7 @@ class RideHandlingCar(FullCar):
         --------
         >>> from susp_ss import Corners, RideHandlingCar
         >>> round(RideHandlingCar(cornering=Corners.axles(front=60e3, rear=35e3)).critical_speed(), 1)
-        44.1
+        46.2
         """
         return self._over_designs(lambda car: car.critical())
 
