@@ -132,8 +132,8 @@ class HandlingModel(LinearModel):
         speed, critical = (float(x[first]) for x in (self.speed, self.critical))
         if speed >= critical:
             return (
-                f"is unstable at {speed:.4g} m/s, above its critical speed of {critical:.4g} m/s; pass a lower speed, "
-                "stiffer rear tyres (cornering) or a steering angle that a driver holds stable"
+                f"is unstable at {speed:.4g} m/s, above its critical speed of {critical:.4g} m/s; pass a lower speed "
+                "or stiffer rear tyres (cornering)"
             )
         worst = self.rates[first][np.argmax(self.rates[first].real)]
         return (

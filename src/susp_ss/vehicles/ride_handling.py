@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..quantities import HANDLING, ROAD
+from ..quantities import HANDLING, ROAD, briefly
 from .full import FullCar
 from .handling_model import CONTROLS, HandlingModel, Velocities, assembled, handling_modes
 from .linkage import Linkage, Output, coordinates
@@ -193,7 +193,22 @@ class RideHandlingCar(FullCar):
         return moved
 
     def assemble(self) -> HandlingModel:
-        """What all motions of a flattened car do to one another at its speed."""
+        """What all motions of a flattened car do to one another at its speed.
+
+        Raises
+        ------
+        ValueError
+            A yaw inertia that the wheels alone exceed, or a product of inertia that no body has.
+        """
+        least = self.izz - self.body_izz + self.ixz**2 / self.ixx
+        lacking = np.atleast_1d(self.izz <= least)
+        if lacking.any():
+            which = np.argmax(lacking)
+            izz, need = (np.broadcast_to(x, lacking.shape)[which] for x in (self.izz, least))
+            raise ValueError(
+                f"{type(self).__name__}(izz=...) must exceed {need:.4g} kg m^2, what the wheels have about the body's "
+                f"centre of gravity and ixz asks for, got {izz:.4g}"
+            )
         return assembled(self)
 
     @classmethod
@@ -390,6 +405,11 @@ class RideHandlingCar(FullCar):
         """
         car = self._at(speed)
         given = {"delta_f": delta_f, "delta_r": delta_r} | drive
+        for name, value in given.items():
+            if name not in CONTROLS:
+                raise ValueError(f"{type(self).__name__} has no input named {name!r}, available: {', '.join(CONTROLS)}")
+            if isinstance(value, bool) or not isinstance(value, (int, float, np.number)) or not np.isfinite(value):
+                raise TypeError(f"{name} must be a number, got {briefly(value)}")
         space = car.design_space()
         model = car.flattened(space).assemble()
         refusal = model.refusal()
