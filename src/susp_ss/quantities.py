@@ -60,6 +60,28 @@ PARAMETERS = _table(
 )
 """Parameters of vehicles, in the symbols of the study."""
 
+STEERED = _table(
+    Quantity("izz", "kg m^2", "yaw inertia of the whole car", "I_zz", "> 0", known=(1.0, 5e5)),
+    Quantity("ixz", "kg m^2", "roll-yaw product of inertia of the body", "I_xz", known=(-1e4, 1e4)),
+    Quantity("height", "m", "height of the body's centre of gravity", "h_s", ">= 0", known=(0.05, 4.0)),
+    Quantity("roll_centre_front", "m", "height of the front roll centre", "h_f", known=(-1.0, 2.0)),
+    Quantity("roll_centre_rear", "m", "height of the rear roll centre", "h_r", known=(-1.0, 2.0)),
+    Quantity("radius", "m", "wheel radius", "R", "> 0", known=(0.05, 1.5)),
+    Quantity("cornering", "N/rad", "cornering stiffness", "C_a", ">= 0", dim="corner", known=(1e3, 1e6)),
+    Quantity("relaxation", "m", "relaxation length", "s", ">= 0", dim="corner", known=(0.01, 5.0)),
+    Quantity("slip", "N", "longitudinal force per unit of slip", "C_x", "> 0", dim="corner", known=(1e3, 1e6)),
+    Quantity("wheel_inertia", "kg m^2", "spin inertia of a wheel", "I_w", "> 0", dim="corner", known=(1e-3, 1e3)),
+    Quantity("steering", "N m/rad", "stiffness of the steering, each front wheel", "", "> 0", known=(100.0, 1e7)),
+    Quantity(
+        "steering_damping", "N m s/rad", "damping of the steering, each front wheel", "", ">= 0", known=(0.1, 1e5)
+    ),
+    Quantity(
+        "steering_inertia", "kg m^2", "inertia of a front wheel about its steering axis", "", "> 0", known=(1e-3, 1e3)
+    ),
+    Quantity("trail", "m", "trail of the front tyres' lateral force", "", ">= 0", known=(1e-3, 0.5)),
+)
+"""Parameters of a car that steers."""
+
 ROAD = _table(
     Quantity("roughness", "m^3", "G_d(0.1 cycle/m) of the road", "G_d", "> 0", known=(1e-8, 1.0)),
     Quantity("speed", "m/s", "speed", "V", "> 0", known=(0.1, 70.0)),
@@ -183,6 +205,18 @@ def unit_of(output: str) -> str:
     metric, _ = metric_and_place(output)
     known = quantity_of(metric, METRICS | HANDLING)
     return known.unit if known else ""
+
+
+def per_input(name: str) -> str:
+    """What a response is per unit of an input of this name: metre of the road's height, or what else drives a vehicle.
+
+    Examples
+    --------
+    >>> from susp_ss.quantities import per_input
+    >>> per_input("z_r_fr"), per_input("delta_f"), per_input("drive_rl")
+    ('m', 'rad', 'N m')
+    """
+    return {"delta": "rad", "drive": "N m"}.get(name.partition("_")[0], "m")
 
 
 def quantity_of(name: str, known: Mapping[str, Quantity] = KNOWN) -> Quantity | None:

@@ -17,12 +17,9 @@ from ..quantities import DIMS, METRICS, Quantity, briefly
 RESERVED = {*DIMS, *METRICS}
 
 
-def parameter(default: Any, unit: str, meaning: str, zero: bool = False, signed: bool = False) -> Any:
-    """Declare a field that the table of quantities does not know, or knows by another meaning.
-
-    Zero if admitted, or any number of either sign; a field whose default is None may be left without a value.
-    """
-    quantity = Quantity("", unit, meaning, bound="" if signed else ">= 0" if zero else "> 0")
+def parameter(default: Any, unit: str, meaning: str, zero: bool = False) -> Any:
+    """Declare a field that the table of quantities does not know, or knows by another meaning; zero if admitted."""
+    quantity = Quantity("", unit, meaning, bound=">= 0" if zero else "> 0")
     return dataclasses.field(default=default, metadata={"quantity": quantity})
 
 

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from ..quantities import HANDLING, ROAD, briefly
 from .full import FullCar
-from .handling_model import CONTROLS, HandlingModel, Velocities, assembled, handling_modes
+from .handling_assembly import Velocities, assembled
+from .handling_model import CONTROLS, HandlingModel, handling_modes
 from .linkage import Linkage, Output, coordinates
-from .parameters import parameter
 from .second_order import Layout
 from .systems import control_system
 
@@ -88,20 +88,20 @@ class RideHandlingCar(FullCar):
     (1.84, 490.0)
     """
 
-    izz: Any = parameter(1181.08, "kg m^2", "yaw inertia of the whole car")
-    ixz: Any = parameter(0.0, "kg m^2", "roll-yaw product of inertia of the body", signed=True)
-    height: Any = parameter(0.482, "m", "height of the body's centre of gravity", zero=True)
-    roll_centre_front: Any = parameter(0.10, "m", "height of the front roll centre", signed=True)
-    roll_centre_rear: Any = parameter(0.10, "m", "height of the rear roll centre", signed=True)
-    radius: Any = parameter(0.31, "m", "wheel radius")
-    cornering: Any = parameter(45e3, "N/rad", "cornering stiffness of a tyre", zero=True)
-    relaxation: Any = parameter(0.0, "m", "relaxation length of a tyre", zero=True)
-    slip: Any = parameter(50e3, "N", "longitudinal force of a tyre per unit of slip")
-    wheel_inertia: Any = parameter(1.0, "kg m^2", "spin inertia of a wheel")
-    steering: Any = parameter(None, "N m/rad", "stiffness of the steering, at each front wheel")
-    steering_damping: Any = parameter(50.0, "N m s/rad", "damping of the steering, at each front wheel", zero=True)
-    steering_inertia: Any = parameter(0.8, "kg m^2", "inertia of a front wheel about its steering axis")
-    trail: Any = parameter(0.03, "m", "trail of the front tyres' lateral force", zero=True)
+    izz: Any = 1181.08
+    ixz: Any = 0.0
+    height: Any = 0.482
+    roll_centre_front: Any = 0.10
+    roll_centre_rear: Any = 0.10
+    radius: Any = 0.31
+    cornering: Any = 45e3
+    relaxation: Any = 0.0
+    slip: Any = 50e3
+    wheel_inertia: Any = 1.0
+    steering: Any = None
+    steering_damping: Any = 50.0
+    steering_inertia: Any = 0.8
+    trail: Any = 0.03
     speed: Any = dataclasses.field(default=20.0, metadata={"quantity": ROAD["speed"]})
 
     per_corner = (*FullCar.per_corner, "cornering", "relaxation", "slip", "wheel_inertia")
@@ -274,7 +274,18 @@ class RideHandlingCar(FullCar):
         >>> 0.85 * 9.81 * car.c / car.centre < car.rollover_threshold() < 9.81 * car.c / car.centre
         True
         """
-        return self._over_designs(lambda car: 1.0 / car.assemble().cornered("load_transfer_ratio"))
+        return self._over_designs(lambda car: 1.0 / car.cornered("load_transfer_ratio"))
+
+    def roll_gradient(self) -> Any:
+        """Roll angle per steady lateral acceleration, in rad per m/s^2.
+
+        Examples
+        --------
+        >>> from susp_ss import RideHandlingCar
+        >>> round(RideHandlingCar().roll_gradient() * 9.81 * 57.3, 1)  # degrees per g
+        9.2
+        """
+        return self._over_designs(lambda car: car.cornered("roll"))
 
     def natural_frequencies(self) -> NDArray[np.float64]:
         """Undamped natural frequencies in Hz, ascending, (n,) or (designs..., n), of the car without tyre forces.
@@ -302,9 +313,18 @@ class RideHandlingCar(FullCar):
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.divide(front + mfr + mfl, fr + fl) - np.divide(rear + mrr + mrl, rr + rl)
 
+    def cornered(self, output: str) -> Any:
+        """An output of a flattened car per lateral acceleration, as it turns steadily: at any speed the same."""
+        return self.moving(np.minimum(self.speed, 0.5 * self.critical())).assemble().cornered(output)
+
     def _over_designs(self, function: Callable[[Self], Any]) -> Any:
-        space = self.design_space()
-        values = np.broadcast_to(function(self.flattened(space)), space.size)
+        space, flat = self.design_space(), self.flattened(self.design_space())
+        fr, fl, rr, rl = flat.at_wheels("cornering")
+        if not np.all((np.asarray(fr + fl) > 0.0) & (np.asarray(rr + rl) > 0.0)):
+            raise ValueError(
+                f"{type(self).__name__}(cornering=...) must be > 0 N/rad at both axles for a car that turns steadily"
+            )
+        values = np.broadcast_to(function(flat), space.size)
         return space.unflatten(values) if space.dims else float(values[0])
 
     def state_space(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..quantities import PARAMETERS, Quantity, signal
+from ..quantities import PARAMETERS, STEERED, Quantity, signal
 from .contract import RoadVehicle
 from .decoupled import OnStruts, halves, whole
 from .linkage import Linkage, Wheel
@@ -51,7 +51,7 @@ class Vehicle(RoadVehicle):
         """What each parameter is: as its field says, or as the table of quantities knows its name."""
         known = {}
         for field in dataclasses.fields(cls):
-            quantity = field.metadata.get("quantity", PARAMETERS.get(field.name))
+            quantity = field.metadata.get("quantity", (PARAMETERS | STEERED).get(field.name))
             if quantity is None:
                 raise TypeError(
                     f"{cls.__name__}.{field.name} is no known quantity; say what it is: "
