@@ -89,6 +89,16 @@ def test_a_lazy_sweep_is_the_same():
     xr.testing.assert_allclose(ss.ride_metrics(ss.RideHandlingCar(cornering=lazy), road).compute(), at_once)
 
 
+def test_its_state_space_is_the_same_vehicle():
+    """Left to find out for itself what dies out, what integrates, and what no output sees: a car that coasts faster."""
+    road = ss.Road(tracks="isotropic", cutoff=0.005)
+    for car in (CAR, STEERED):
+        again = ss.LinearVehicle(car.state_space(), like=car)
+        expected = ss.ride_metrics(car, road)
+        for name, data in ss.ride_metrics(again, road).items():
+            np.testing.assert_allclose(data, expected[name], rtol=1e-6, err_msg=name)
+
+
 def test_the_roads_speed_is_the_cars():
     road = ss.Road(tracks="isotropic", speed=33.0)
     for ask in (ss.ride_metrics, ss.covariance, lambda car, road: ss.psd(car, road, [1.0, 5.0])):

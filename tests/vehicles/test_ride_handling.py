@@ -323,6 +323,13 @@ def test_undamped_frequencies_without_heights_are_the_full_cars():
         (lambda: ss.sensitivity(CAR, ss.Road()), TypeError, "sensitivity needs"),
         (lambda: ss.simulate(CAR, np.zeros(5), np.arange(5.0), [1.0]), TypeError, "inputs must be a mapping"),
         (
+            lambda: ss.simulate(
+                ss.RideHandlingCar(**LEVEL, cornering=0.0), np.zeros(5), np.arange(5.0), {"delta_f": np.zeros(5)}
+            ),
+            ValueError,
+            "without cornering stiffness",
+        ),
+        (
             lambda: ss.simulate(CAR, np.zeros(5), np.arange(5.0), {"delta": np.zeros(5)}),
             ValueError,
             "no input named 'delta', available: delta_f",

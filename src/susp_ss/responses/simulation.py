@@ -99,9 +99,10 @@ def _outputs(model: Model, z: Array, t: Array, controls: Array | None = None) ->
     A, B, Y, D, D1 = (x.reshape(x.shape[-2:]) for x in model.displacement_form())
     x0, driving = np.linalg.solve(A, -B @ z[:, 0]), z
     if controls is not None:
-        B, D = (
-            np.hstack([on, more.reshape(more.shape[-2:])]) for on, more in zip((B, D), model.controls(), strict=True)
-        )
+        further = [x.reshape(x.shape[-2:]) for x in model.controls()]
+        if not np.isfinite(further[0]).all():
+            raise ValueError("inputs: without cornering stiffness, what a car does under them is not determined")
+        B, D = np.hstack([B, further[0]]), np.hstack([D, further[1]])
         driving = np.concatenate([z, controls])
     states = control.ss(A, B, np.eye(len(A)), np.zeros(B.shape))
     x = np.asarray(control.forced_response(states, t, driving, x0).states)
