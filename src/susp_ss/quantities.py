@@ -137,7 +137,6 @@ UNITS: dict[str, dict[str, float]] = {
     "N/rad": {"N/rad": 1.0, "N/deg": 180.0 / math.pi, "kN/rad": 1e3},
     "N m/rad": {"N m/rad": 1.0, "kN m/rad": 1e3, "N m/deg": 180.0 / math.pi},
     "N m s/rad": {"N m s/rad": 1.0, "N m s/deg": 180.0 / math.pi},
-    "N m": {"N m": 1.0, "kN m": 1e3, "lbf ft": 12.0 * _IN * _LB * _G},
     "rad": {"rad": 1.0, "deg": math.pi / 180.0},
     "rad/s": {"rad/s": 1.0, "deg/s": math.pi / 180.0},
     "rad/s^2": {"rad/s^2": 1.0, "deg/s^2": math.pi / 180.0},

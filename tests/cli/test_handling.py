@@ -53,7 +53,6 @@ def test_it_writes_its_table_and_figure(run, here):
     np.testing.assert_allclose(float(rows[2][1]), CAR.steady_state(speed=20.0, delta_f=1.0).yaw_rate)
     assert (here / "deep/folder/handling.png").read_bytes().startswith(b"\x89PNG")
     assert run("handling", "--vehicle", "car.toml", "--out", "deep/folder").code == 2
-    assert run("handling", "--vehicle", "car.toml", "--out", "deep/folder", "--force").code == 0
 
 
 def test_a_file_holds_a_car_that_steers(run, here):
