@@ -30,6 +30,16 @@ def oracle(vehicle, digits=None):
         return writers[type(vehicle)](**values)
 
 
+def handling_parameters(car):
+    """Every parameter of a `RideHandlingCar` for the oracle, those of wheels by wheel."""
+    return {
+        field.name: dict(zip(car.wheels, car.at_wheels(field.name), strict=True))
+        if field.name in car.per_corner
+        else getattr(car, field.name)
+        for field in fields(car)
+    }
+
+
 UNEQUAL = {
     "mu": ss.Corners(fr=41.0, fl=44.0, rr=47.0, rl=52.0),
     "ks": ss.Corners(fr=16e3, fl=18e3, rr=21e3, rl=24e3),
@@ -142,6 +152,32 @@ full_cars = st.builds(
     ct=st.one_of(st.just(0.0), _per_corner(100.0)),
     arb_front=st.floats(0.0, 3e4),
     arb_rear=st.floats(0.0, 3e4),
+)
+ride_handling_cars = st.builds(
+    ss.RideHandlingCar,
+    mb=_about(1270.0, 1.5),
+    a=_about(1.1, 1.3),
+    b=_about(1.4, 1.3),
+    c=_about(0.72, 1.2),
+    mu=_per_corner(45.4, 1.5),
+    ks=_per_corner(25e3, 1.5),
+    cs=_per_corner(1500.0, 2.0),
+    kt=_per_corner(192e3, 1.5),
+    ct=st.one_of(st.just(0.0), _per_corner(100.0)),
+    arb_front=st.floats(0.0, 3e4),
+    arb_rear=st.floats(0.0, 3e4),
+    izz=st.floats(1500.0, 3000.0),
+    ixz=st.floats(-50.0, 50.0),
+    height=st.floats(0.3, 0.7),
+    roll_centre_front=st.floats(-0.05, 0.3),
+    roll_centre_rear=st.floats(-0.05, 0.4),
+    radius=_about(0.31, 1.2),
+    cornering=_per_corner(45e3, 1.3),
+    relaxation=st.one_of(st.just(0.0), st.floats(0.1, 0.6), st.just(ss.Corners(fr=0.3, fl=0.0, rr=0.0, rl=0.4))),
+    slip=_per_corner(50e3, 2.0),
+    wheel_inertia=_per_corner(1.0, 2.0),
+    steering=st.one_of(st.none(), st.floats(5e3, 5e4)),
+    speed=st.floats(5.0, 35.0),
 )
 vehicles = st.one_of(quarter_cars, pitch_half_cars, roll_half_cars, full_cars)
 roads = st.builds(

@@ -345,6 +345,178 @@ def full_car_matrices(
     return Model(*matrices, coordinates, CORNERS, cs, outputs, wheelbase=a + b, track_width=2 * c)
 
 
+# ---------------------------------------------------------------------------------------------------- ride and handling
+
+CONTROLS = ("delta_f", "delta_r", "drive_fr", "drive_fl", "drive_rr", "drive_rl")
+
+
+def ride_handling_balance(car, z, v, a, lag, zr, dzr, u):
+    """What each equation of motion of a car at speed U leaves over: zero where it holds.
+
+    Lagrange's equations about straight running, written out one by one. `car` has the parameters by name, those of
+    wheels as mappings; z, v, a are positions, speeds and accelerations by coordinate: the seven of the full car, y,
+    psi, x and the spins, and steer_fr, steer_fl with compliant steering. y' is the lateral speed in axes that turn with
+    the car, so that its acceleration is y'' + U psi'. Also returned are all outputs.
+    """
+    U, h_f, h_r, R, g = car["speed"], car["roll_centre_front"], car["roll_centre_rear"], car["radius"], 9.81
+    aa, b, c, mb, mu = car["a"], car["b"], car["c"], car["mb"], car["mu"]
+    ks, cs, kt, ct = car["ks"], car["cs"], car["kt"], car["ct"]
+    steered = car["steering"] is not None
+    h = car["height"] - (b * h_f + aa * h_r) / (aa + b)
+    fr, fl, rr, rl = CORNERS
+
+    # Heights of the body over the wheels, axle roll, and what follows from them.
+    body = {
+        fr: lambda s: s["z_b"] - aa * s["theta"] - c * s["phi"],
+        fl: lambda s: s["z_b"] - aa * s["theta"] + c * s["phi"],
+        rr: lambda s: s["z_b"] + b * s["theta"] - c * s["phi"],
+        rl: lambda s: s["z_b"] + b * s["theta"] + c * s["phi"],
+    }
+    travel = {w: z[f"z_u_{w}"] - body[w](z) for w in CORNERS}
+    rate = {w: v[f"z_u_{w}"] - body[w](v) for w in CORNERS}
+    strut = {w: ks[w] * travel[w] + cs[w] * rate[w] for w in CORNERS}
+    for right, left, arb in ((fr, fl, car["arb_front"]), (rr, rl, car["arb_rear"])):
+        bar = arb * (travel[right] - travel[left])
+        strut[right], strut[left] = strut[right] + bar, strut[left] - bar
+    tyre = {w: kt[w] * (zr[w] - z[f"z_u_{w}"]) + ct[w] * (dzr[w] - v[f"z_u_{w}"]) for w in CORNERS}
+    roll_rate_f = (v["z_u_fl"] - v["z_u_fr"]) / (2 * c)
+    roll_rate_r = (v["z_u_rl"] - v["z_u_rr"]) / (2 * c)
+    roll_acc_f = (a["z_u_fl"] - a["z_u_fr"]) / (2 * c)
+    roll_acc_r = (a["z_u_rl"] - a["z_u_rr"]) / (2 * c)
+
+    # Slip angles and tyre forces.
+    aside = {
+        fr: v["y"] + aa * v["psi"] + h_f * roll_rate_f,
+        fl: v["y"] + aa * v["psi"] + h_f * roll_rate_f,
+        rr: v["y"] - b * v["psi"] + h_r * roll_rate_r,
+        rl: v["y"] - b * v["psi"] + h_r * roll_rate_r,
+    }
+    angle = {fr: u["delta_f"], fl: u["delta_f"], rr: u["delta_r"], rl: u["delta_r"]}
+    if steered:
+        for w in (fr, fl):
+            angle[w] = z[f"steer_{w}"]
+            aside[w] = aside[w] - car["trail"] * v[f"steer_{w}"]
+    alpha = {w: angle[w] - aside[w] / U for w in CORNERS}
+    late = {w: lag[w] if car["relaxation"][w] else alpha[w] for w in CORNERS}
+    Fy = {w: car["cornering"][w] * late[w] for w in CORNERS}
+    ahead = {fr: v["x"] + c * v["psi"], rr: v["x"] + c * v["psi"]}
+    ahead |= {fl: v["x"] - c * v["psi"], rl: v["x"] - c * v["psi"]}
+    Fx = {w: -car["slip"][w] * (ahead[w] - R * v[f"spin_{w}"]) / U for w in CORNERS}
+
+    # Lateral accelerations of the body and of the hubs.
+    ay_body = a["y"] + U * v["psi"] - h * a["phi"]
+    ay_f = a["y"] + U * v["psi"] + aa * a["psi"] + (h_f - R) * roll_acc_f
+    ay_r = a["y"] + U * v["psi"] - b * a["psi"] + (h_r - R) * roll_acc_r
+    mu_f, mu_r = mu[fr] + mu[fl], mu[rr] + mu[rl]
+    own_izz = car["izz"] - mu_f * (aa**2 + c**2) - mu_r * (b**2 + c**2)
+    total = mb + mu_f + mu_r
+    centre = (mb * car["height"] + (mu_f + mu_r) * R) / total
+    # An axle's roll moment goes half up at the left and half down at the right.
+    axle_f = h_f * (Fy[fr] + Fy[fl]) - mu_f * (h_f - R) * ay_f
+    axle_r = h_r * (Fy[rr] + Fy[rl]) - mu_r * (h_r - R) * ay_r
+
+    left_over = {
+        "z_u_fr": mu[fr] * a["z_u_fr"] - tyre[fr] + strut[fr] + axle_f / (2 * c),
+        "z_u_fl": mu[fl] * a["z_u_fl"] - tyre[fl] + strut[fl] - axle_f / (2 * c),
+        "z_u_rr": mu[rr] * a["z_u_rr"] - tyre[rr] + strut[rr] + axle_r / (2 * c),
+        "z_u_rl": mu[rl] * a["z_u_rl"] - tyre[rl] + strut[rl] - axle_r / (2 * c),
+        "z_b": mb * a["z_b"] - strut[fr] - strut[fl] - strut[rr] - strut[rl],
+        "theta": car["iyy"] * a["theta"]
+        + aa * (strut[fr] + strut[fl])
+        - b * (strut[rr] + strut[rl])
+        + centre / R * (u["drive_fr"] + u["drive_fl"] + u["drive_rr"] + u["drive_rl"]),
+        "phi": car["ixx"] * a["phi"]
+        - car["ixz"] * a["psi"]
+        - mb * h * ay_body
+        - mb * g * h * z["phi"]
+        - c * (strut[fl] - strut[fr] + strut[rl] - strut[rr]),
+        "y": mb * ay_body + mu_f * ay_f + mu_r * ay_r - Fy[fr] - Fy[fl] - Fy[rr] - Fy[rl],
+        "x": total * a["x"] + c * (mu[fr] - mu[fl] + mu[rr] - mu[rl]) * a["psi"] - Fx[fr] - Fx[fl] - Fx[rr] - Fx[rl],
+        "psi": own_izz * a["psi"]
+        - car["ixz"] * a["phi"]
+        + mu_f * aa * ay_f
+        - mu_r * b * ay_r
+        + c * (mu[fr] + mu[rr]) * (a["x"] + c * a["psi"])
+        - c * (mu[fl] + mu[rl]) * (a["x"] - c * a["psi"])
+        - aa * (Fy[fr] + Fy[fl])
+        + b * (Fy[rr] + Fy[rl])
+        - c * (Fx[fr] + Fx[rr])
+        + c * (Fx[fl] + Fx[rl]),
+    }
+    for w in CORNERS:
+        left_over[f"spin_{w}"] = car["wheel_inertia"][w] * a[f"spin_{w}"] - u[f"drive_{w}"] + R * Fx[w]
+    if steered:
+        inertia, k, d = car["steering_inertia"], car["steering"], car["steering_damping"]
+        # The wheels' own inertia about their steering axes is part of the car's.
+        left_over["psi"] = left_over["psi"] + inertia * (a["steer_fr"] + a["steer_fl"])
+        for w in (fr, fl):
+            left_over[f"steer_{w}"] = (
+                inertia * (a[f"steer_{w}"] + a["psi"])
+                + d * v[f"steer_{w}"]
+                + k * (z[f"steer_{w}"] - u["delta_f"])
+                + car["trail"] * Fy[w]
+            )
+    outputs = {
+        "bacc_cg": a["z_b"],
+        "pitch_acc": a["theta"],
+        "roll_acc": a["phi"],
+        **{f"bacc_{w}": body[w](a) for w in CORNERS},
+        **{f"sws_{w}": travel[w] for w in CORNERS},
+        **{f"dtl_{w}": tyre[w] for w in CORNERS},
+        "ay": ay_body,
+        "yaw_rate": v["psi"],
+        "sideslip": v["y"] / U,
+        "roll": z["phi"],
+        "load_transfer_front": (tyre[fr] - tyre[fl]) / 2,
+        "load_transfer_rear": (tyre[rr] - tyre[rl]) / 2,
+        "load_transfer_ratio": (tyre[fr] - tyre[fl] + tyre[rr] - tyre[rl]) / (total * g),
+        **{f"slip_angle_{w}": alpha[w] for w in CORNERS},
+    }
+    for w in CORNERS:
+        if car["relaxation"][w]:
+            # sigma / U alpha_late' + alpha_late = alpha
+            left_over[f"lag_{w}"] = car["relaxation"][w] / U * a[f"lag_{w}"] + lag[w] - alpha[w]
+    return left_over, outputs
+
+
+def ride_handling_response(car, f):
+    """Outputs per road height z_r and per control at the frequencies f, as (outputs, inputs, F), and their names."""
+    ride = ("z_u_fr", "z_u_fl", "z_u_rr", "z_u_rl", "z_b", "theta", "phi")
+    steer = ("steer_fr", "steer_fl") if car["steering"] is not None else ()
+    moving = ("y", "psi", "x", *(f"spin_{w}" for w in CORNERS))
+    lags = tuple(w for w in CORNERS if car["relaxation"][w])
+    responses = []
+    for s in 2j * np.pi * np.asarray(f):
+
+        def balance(z=None, v=None, a=None, lag=None, zr=None, dzr=None, u=None):
+            nothing = _unit((*ride, *steer, *moving, *(f"lag_{w}" for w in CORNERS), *CORNERS, *CONTROLS))
+            parts = (nothing | (part or {}) for part in (z, v, a, lag, zr, dzr, u))
+            left_over, outputs = ride_handling_balance(car, *parts)
+            return np.array(list(left_over.values())), np.array(list(outputs.values())), list(outputs)
+
+        columns = [balance({q: 1}, {q: s}, {q: s**2}) for q in (*ride, *steer)]
+        columns += [balance(None, {q: 1}, {q: s}) for q in moving]
+        columns += [balance(lag={w: 1}, a={f"lag_{w}": s}) for w in lags]
+        driven = [balance(zr={w: 1}, dzr={w: s}) for w in CORNERS] + [balance(u={name: 1}) for name in CONTROLS]
+        (D, Y), (B, direct) = (
+            (np.array([column[0] for column in some]).T, np.array([column[1] for column in some]).T)
+            for some in (columns, driven)
+        )
+        responses.append(direct - Y @ np.linalg.solve(D, B))
+    return np.moveaxis(np.array(responses), 0, -1), driven[0][2], [f"z_r_{w}" for w in CORNERS] + list(CONTROLS)
+
+
+def understeer_gradient(m_front, m_rear, C_front, C_rear):
+    """K of delta = L / rho + K a_y, by what each axle carries and the cornering stiffness of both its wheels."""
+    return m_front / C_front - m_rear / C_rear
+
+
+def bicycle_gains(L, b, m_rear, C_rear, K, U):
+    """Yaw rate, lateral acceleration and sideslip per front steering angle of a car that turns steadily."""
+    r = U / (L + K * U**2)
+    return r, U * r, (b - m_rear * U**2 / C_rear) / (L + K * U**2)
+
+
 # ---------------------------------------------------------------------------------------------------- roads
 
 

@@ -60,6 +60,28 @@ PARAMETERS = _table(
 )
 """Parameters of vehicles, in the symbols of the study."""
 
+STEERED = _table(
+    Quantity("izz", "kg m^2", "yaw inertia of the whole car", "I_zz", "> 0", known=(1.0, 5e5)),
+    Quantity("ixz", "kg m^2", "roll-yaw product of inertia of the body", "I_xz", known=(-1e4, 1e4)),
+    Quantity("height", "m", "height of the body's centre of gravity", "h_s", ">= 0", known=(0.05, 4.0)),
+    Quantity("roll_centre_front", "m", "height of the front roll centre", "h_f", known=(-1.0, 2.0)),
+    Quantity("roll_centre_rear", "m", "height of the rear roll centre", "h_r", known=(-1.0, 2.0)),
+    Quantity("radius", "m", "wheel radius", "R", "> 0", known=(0.05, 1.5)),
+    Quantity("cornering", "N/rad", "cornering stiffness", "C_a", ">= 0", dim="corner", known=(1e3, 1e6)),
+    Quantity("relaxation", "m", "relaxation length", "s", ">= 0", dim="corner", known=(0.01, 5.0)),
+    Quantity("slip", "N", "longitudinal force per unit of slip", "C_x", "> 0", dim="corner", known=(1e3, 1e6)),
+    Quantity("wheel_inertia", "kg m^2", "spin inertia of a wheel", "I_w", "> 0", dim="corner", known=(1e-3, 1e3)),
+    Quantity("steering", "N m/rad", "stiffness of the steering, each front wheel", "", "> 0", known=(100.0, 1e7)),
+    Quantity(
+        "steering_damping", "N m s/rad", "damping of the steering, each front wheel", "", ">= 0", known=(0.1, 1e5)
+    ),
+    Quantity(
+        "steering_inertia", "kg m^2", "inertia of a front wheel about its steering axis", "", "> 0", known=(1e-3, 1e3)
+    ),
+    Quantity("trail", "m", "trail of the front tyres' lateral force", "", ">= 0", known=(1e-3, 0.5)),
+)
+"""Parameters of a car that steers."""
+
 ROAD = _table(
     Quantity("roughness", "m^3", "G_d(0.1 cycle/m) of the road", "G_d", "> 0", known=(1e-8, 1.0)),
     Quantity("speed", "m/s", "speed", "V", "> 0", known=(0.1, 70.0)),
@@ -88,6 +110,17 @@ METRICS = _table(
 )
 """Variables of `susp_ss.ride_metrics`, in their order."""
 
+HANDLING = _table(
+    Quantity("ay", "m/s^2", "lateral acceleration of the body's centre of gravity", "a_y"),
+    Quantity("yaw_rate", "rad/s", "yaw rate", "r"),
+    Quantity("sideslip", "rad", "sideslip angle below the centre of gravity", "", shown="deg"),
+    Quantity("roll", "rad", "roll angle of the body", "", shown="deg"),
+    Quantity("load_transfer", "N", "load that an axle moves from the left wheel to the right", "", dim="axle"),
+    Quantity("load_transfer_ratio", "", "share of the car's weight that has moved from the left wheels to the right"),
+    Quantity("slip_angle", "rad", "slip angle of the tyre", "", shown="deg", dim="corner"),
+)
+"""What a car that steers adds to them."""
+
 KNOWN = PARAMETERS | ROAD | METRICS
 
 # The pound is 0.45359237 kg and the inch 0.0254 m by definition; a pound-force weighs at g = 9.80665 m/s^2.
@@ -101,6 +134,11 @@ UNITS: dict[str, dict[str, float]] = {
     "N s/m": {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3, "lbf s/in": _LB * _G / _IN},
     "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": _G},
     "N": {"N": 1.0, "kN": 1e3, "lbf": _LB * _G},
+    "N/rad": {"N/rad": 1.0, "N/deg": 180.0 / math.pi, "kN/rad": 1e3},
+    "N m/rad": {"N m/rad": 1.0, "kN m/rad": 1e3, "N m/deg": 180.0 / math.pi},
+    "N m s/rad": {"N m s/rad": 1.0, "N m s/deg": 180.0 / math.pi},
+    "rad": {"rad": 1.0, "deg": math.pi / 180.0},
+    "rad/s": {"rad/s": 1.0, "deg/s": math.pi / 180.0},
     "rad/s^2": {"rad/s^2": 1.0, "deg/s^2": math.pi / 180.0},
     "W": {"W": 1.0, "kW": 1e3},
     "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704},
@@ -125,7 +163,7 @@ GROUPS = {
 PLACES = {"cg", *CORNERS, *GROUPS, "f", "r", "l"}
 """What may follow the name of a quantity: corners, groups of them, ends and sides of half cars, and ``cg``."""
 
-DIMS = ("point", "corner", "state", "state_", "output", "input", "frequency", "time")
+DIMS = ("point", "corner", "axle", "state", "state_", "output", "input", "frequency", "time")
 """Dims of results."""
 
 
@@ -160,11 +198,24 @@ def unit_of(output: str) -> str:
     Examples
     --------
     >>> from susp_ss.quantities import unit_of
-    >>> unit_of("bacc_driver"), unit_of("ay")
-    ('m/s^2', '')
+    >>> unit_of("bacc_driver"), unit_of("yaw_rate"), unit_of("gap")
+    ('m/s^2', 'rad/s', '')
     """
     metric, _ = metric_and_place(output)
-    return METRICS[metric].unit if metric in METRICS else ""
+    known = quantity_of(metric, METRICS | HANDLING)
+    return known.unit if known else ""
+
+
+def per_input(name: str) -> str:
+    """What a response is per unit of an input of this name: metre of the road's height, or what else drives a vehicle.
+
+    Examples
+    --------
+    >>> from susp_ss.quantities import per_input
+    >>> per_input("z_r_fr"), per_input("delta_f"), per_input("drive_rl")
+    ('m', 'rad', 'N m')
+    """
+    return {"delta": "rad", "drive": "N m"}.get(name.partition("_")[0], "m")
 
 
 def quantity_of(name: str, known: Mapping[str, Quantity] = KNOWN) -> Quantity | None:
@@ -186,8 +237,8 @@ def units_of(unit: str) -> dict[str, float]:
     Examples
     --------
     >>> from susp_ss.quantities import units_of
-    >>> units_of("kg"), units_of("N m/rad")
-    ({'kg': 1.0, 't': 1000.0, 'lb': 0.45359237}, {'N m/rad': 1.0})
+    >>> units_of("kg"), units_of("N m/kg")
+    ({'kg': 1.0, 't': 1000.0, 'lb': 0.45359237}, {'N m/kg': 1.0})
     """
     return UNITS.get(unit, {unit: 1.0})
 

@@ -13,7 +13,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from susp_ss.fit.runs import read_runs
-from susp_ss.quantities import KNOWN, UNITS
+from susp_ss.quantities import HANDLING, KNOWN, STEERED, UNITS
 from susp_ss.written import decoded, number, readings
 
 INPUTS, OUTPUTS = {"ks": "K_S", "cs": "C_S"}, {"bacc": "acc", "sws": "travel"}
@@ -154,8 +154,8 @@ def test_units(name, spelt, si, write):
 
 
 def test_every_quantity_may_be_in_its_si_unit():
-    units = {quantity.unit for quantity in KNOWN.values()}
-    assert units == set(UNITS) - {"s", "Hz"}
+    units = {quantity.unit for table in (KNOWN, STEERED, HANDLING) for quantity in table.values()}
+    assert units - {""} == set(UNITS) - {"s", "Hz"}
     assert all(known[unit] == 1.0 for unit, known in UNITS.items())
 
 

@@ -163,7 +163,7 @@ WRONG = {
     "sensitivity": (
         lambda: ss.sensitivity(ss.LinearVehicle(PLANT, like=CAR), ss.Road(), ["speed"]),
         TypeError,
-        "sensitivity needs a vehicle with parameters",
+        "sensitivity needs a vehicle of springs and dampers",
     ),
 }
 

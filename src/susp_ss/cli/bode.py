@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from ..quantities import Quantity, signal, typeset
+from ..quantities import Quantity, per_input, signal, typeset
 from .folder import check_folder, write_together
 from .options import Force, Json, built_from, counted, measured, names, print_table, vehicle_options
 from .refusals import Refusal, refusals
@@ -39,7 +39,8 @@ def run(
         list[str] | None,
         typer.Option(
             metavar="NAME,...",
-            help="Height of the road under which wheel, such as z_r_fr; may be repeated.",
+            help="Height of the road under which wheel, such as z_r_fr, or delta_f of a car that steers; may be "
+            "repeated.",
             show_default="the first wheel",
         ),
     ] = None,
@@ -61,6 +62,7 @@ def run(
 
     Per metre of road height: bacc (m/s^2), sws (m), dtl (N), pitch_acc and
     roll_acc (rad/s^2). Phase in degrees, continuous over frequency.
+    With --model ride-handling also per rad of a steering angle (--input delta_f).
     """
     import numpy as np
 
@@ -108,7 +110,8 @@ def _curves(response: "xr.DataArray") -> list[tuple[str, str, str, "NDArray", "N
     for output in response.output.values.tolist():
         for input in response.input.values.tolist():
             H = response.sel(output=output, input=input).values
-            curves.append((output, input, f"{unit_of(output)}/m", np.abs(H), np.degrees(np.unwrap(np.angle(H)))))
+            unit = f"{unit_of(output) or 1}/{per_input(input)}"
+            curves.append((output, input, unit, np.abs(H), np.degrees(np.unwrap(np.angle(H)))))
     return curves
 
 
@@ -153,14 +156,20 @@ def _print(vehicle: "Vehicle", response: "xr.DataArray") -> None:
             table.add_row(output, input, typeset(unit), f"{frequency[peak]:.3g}", f"{magnitude[peak]:.4g}")
         if not len(peaks):
             table.add_row(output, input, typeset(unit), "none", "")
-    typer.echo(f"{type(vehicle).__name__}: peaks of the response to road height, {span}")
+    typer.echo(f"{type(vehicle).__name__}: peaks of the response to {_driven(response)}, {span}")
     print_table(table)
+
+
+def _driven(response: "xr.DataArray") -> str:
+    others = [name for name in response.input.values.tolist() if per_input(name) != "m"]
+    return ", ".join(others) or "road height"
 
 
 def _figure(vehicle: "Vehicle", response: "xr.DataArray") -> "Figure":
     from ..presentation.plots import bode
 
-    curves = {f"road at {input}": response.sel(input=input) for input in response.input.values.tolist()}
-    figure = bode(curves)
-    figure.suptitle(f"{type(vehicle).__name__}: response to road height", fontsize="medium")
+    inputs = response.input.values.tolist()
+    curves = {f"road at {name}" if per_input(name) == "m" else name: response.sel(input=name) for name in inputs}
+    figure = bode(curves, per="/".join(dict.fromkeys(map(per_input, inputs))))
+    figure.suptitle(f"{type(vehicle).__name__}: response to {_driven(response)}", fontsize="medium")
     return figure

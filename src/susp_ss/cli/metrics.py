@@ -80,6 +80,8 @@ def run(
     pitch_acc, roll_acc: angular acceleration of the body (rad/s^2)
     damper_power: mean power dissipated in each damper (W)
     tyre_deflection (m), sws_rate: suspension velocity (m/s)
+    With --model ride-handling also ay (m/s^2), yaw_rate (rad/s), sideslip, roll and
+    slip_angle (rad), load_transfer (N) of each axle and load_transfer_ratio.
 
     An infinite variance shows as inf, in JSON as the text "inf".
     """
@@ -174,7 +176,7 @@ def _by_place(data: "xr.DataArray") -> list[tuple[str, float]]:
 
 
 def _print(vehicle: str, road: "Road", result: "xr.Dataset") -> None:
-    places = result.point.values.tolist() if "point" in result.dims else []
+    places = [place for dim in ("point", "axle") if dim in result.dims for place in result[dim].values.tolist()]
     table = Table("metric", "unit")
     for place in places or ["value"]:
         table.add_column(place, justify="right")

@@ -12,7 +12,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from ..quantities import CORNERS, GROUPS, PARAMETERS, ROAD, Quantity, signal
+from ..quantities import CORNERS, GROUPS, PARAMETERS, ROAD, STEERED, Quantity, signal
 from ..units import implausible, in_si, likely, split_unit, stated
 from ..vehicles import MODELS
 from .refusals import Refusal, refusals
@@ -63,6 +63,7 @@ def vehicle_options(
     meaning: str = "The model",
     without: Sequence[str] = (),
     ranges: bool = False,
+    steered: bool = False,
 ) -> Callable[..., Any]:
     """Return what makes the vehicle that a file and options describe, an option for every parameter there is.
 
@@ -74,6 +75,8 @@ def vehicle_options(
         Parameters that have no option here.
     ranges : bool
         Whether a parameter may be a range ``LO:HI:N``; what is made is then the vehicle and the values by parameter.
+    steered : bool
+        Whether help shows the options of a car that steers; they are there all the same.
     """
 
     def build(*, trust_units: bool = False, **given: Any) -> Any:
@@ -117,13 +120,14 @@ def vehicle_options(
         return optional(name, str | None, metavar=metavar, help=said, show_default=False, hidden=hidden)
 
     parameters = []
-    for name, quantity in PARAMETERS.items():
+    for name, quantity in (PARAMETERS | STEERED).items():
         if name not in without:
-            parameters.append(value(name, quantity, ", each wheel" if quantity.dim else ""))
+            hidden = name in STEERED and not steered
+            parameters.append(value(name, quantity, ", each wheel" if quantity.dim else "", hidden))
             if quantity.dim:
                 shown = {place: f" of the {place} wheels" for place in ("front", "rear")}
                 others = (place for place in (*CORNERS, "f", "r", "l", *GROUPS) if place not in shown)
-                parameters += [value(signal(name, place), quantity, where) for place, where in shown.items()]
+                parameters += [value(signal(name, place), quantity, where, hidden) for place, where in shown.items()]
                 parameters += [value(signal(name, place), quantity, "", hidden=True) for place in others]
     model = optional(
         option,

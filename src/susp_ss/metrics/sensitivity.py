@@ -86,8 +86,10 @@ def sensitivity(
     [-0.5, 0.5]
     """
     check_kinds(vehicle, road)
-    if not vehicle.quantities():
-        raise TypeError(f"sensitivity needs a vehicle with parameters, such as QuarterCar(), got {briefly(vehicle)}")
+    if not vehicle.quantities() or vehicle.layout().controls:
+        raise TypeError(
+            f"sensitivity needs a vehicle of springs and dampers alone, such as FullCar(), got {briefly(vehicle)}"
+        )
     if points is not None:
         vehicle = vehicle.with_points(points)
     weighted = filters(weighting, vehicle.layout())

@@ -19,7 +19,8 @@ def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArr
 
     ``H(f) = Y (K - w^2 M + j w C)^-1 (K_in + j w C_in) + ...`` with ``w = 2 pi f``, solved relative to the road so that
     small deflections at low frequency keep all their digits. Outputs that have no state-space model from the road's
-    height (tyre damping, rigid tyre) are included.
+    height (tyre damping, rigid tyre) are included. A vehicle with further inputs, such as the steering angle of a
+    `RideHandlingCar`, answers to these as well.
 
     Parameters
     ----------
@@ -32,7 +33,7 @@ def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArr
     -------
     xarray.DataArray
         On (sweep..., output, input, frequency); outputs and inputs named as in ``vehicle.state_space()``, in output
-        unit per metre.
+        unit per metre, or per unit of the further input.
 
     Raises
     ------
@@ -51,15 +52,26 @@ def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArr
     f = checked_frequency(frequency)
     space = vehicle.design_space()
     model = vehicle.flattened(space).assemble()
-    public, inputs = model.layout.outputs.public, model.layout.inputs
+    public, inputs = model.layout.outputs.public, (*model.layout.inputs, *model.layout.controls)
     outputs = model.layout.outputs.names[public]
     omega = 2.0 * np.pi * f
     H = 1j * omega[:, None, None] * model.transfer(omega)
+    if model.layout.controls:
+        H = np.concatenate([H, _controlled(model, omega)], axis=-1)
     H = np.broadcast_to(np.moveaxis(H, -3, -1)[..., public, :, :], (space.size, len(outputs), len(inputs), len(f)))
     labels = {"output": list(outputs), "input": list(inputs), "frequency": f}
     result = space.unflatten(H, ("output", "input", "frequency"), labels).rename("frequency_response")
     result.frequency.attrs["units"] = "Hz"
     return result
+
+
+def _controlled(model: Model, omega: NDArray) -> NDArray:
+    """Outputs per further input at ``omega`` (F,), (designs..., F, outputs, controls)."""
+    A, _, Y, _, _ = model.displacement_form()
+    B, D = model.controls()
+    s = 1j * omega[:, None, None]
+    x = np.linalg.solve(s * np.eye(A.shape[-1]) - A[..., None, :, :], B[..., None, :, :].astype(complex))
+    return np.asarray(Y[..., None, :, :] @ x + D[..., None, :, :])
 
 
 def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:

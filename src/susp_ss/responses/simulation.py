@@ -29,12 +29,14 @@ SWINGING = 1e-6
 MOST_STEPS = 1e7
 
 
-def simulate(vehicle: RoadVehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
+def simulate(
+    vehicle: RoadVehicle, profile: Any, time: ArrayLike, inputs: Mapping[str, ArrayLike] | None = None
+) -> xr.Dataset:
     """Drive a vehicle over given road heights.
 
     The heights are taken as linear between samples and the states advance exactly (`control.forced_response`). The
-    vehicle starts at rest in static equilibrium on the first heights. Outputs that need the road's velocity (tyre
-    damping, rigid tyre) take it from the heights by central differences.
+    vehicle starts at rest in static equilibrium on the first heights, its further inputs at zero. Outputs that need the
+    road's velocity (tyre damping, rigid tyre) take it from the heights by central differences.
 
     Parameters
     ----------
@@ -45,6 +47,9 @@ def simulate(vehicle: RoadVehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
         one row for all wheels at once.
     time : array_like, (T,)
         Evenly spaced instants in s.
+    inputs : mapping of str to array_like, (T,), optional
+        What else drives the vehicle, linear between samples as well: ``delta_f`` (rad), ``drive_rr`` (N m) and so on
+        of a `RideHandlingCar`; what is left out stays zero.
 
     Returns
     -------
@@ -55,7 +60,8 @@ def simulate(vehicle: RoadVehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
     Raises
     ------
     TypeError, ValueError
-        Parameters that are arrays, times that are not evenly spaced, heights of the wrong shape or not finite.
+        Parameters that are arrays, times that are not evenly spaced, heights or inputs of the wrong shape or not
+        finite, an input that the vehicle has not.
 
     Examples
     --------
@@ -66,27 +72,41 @@ def simulate(vehicle: RoadVehicle, profile: Any, time: ArrayLike) -> xr.Dataset:
     >>> response = simulate(QuarterCar(), kerb, time)
     >>> bool(abs(response.sws[-1]) < 1e-3)
     True
+
+    A step of the steering angle, on a level road:
+
+    >>> from susp_ss import RideHandlingCar
+    >>> step = np.where(time > 0.5, 0.01, 0.0)
+    >>> turn = simulate(RideHandlingCar(), np.zeros_like(time), time, inputs={"delta_f": step})
+    >>> bool(turn["roll"].max() > turn["roll"][-1] > 0.0)
+    True
     """
     check_kinds(vehicle)
     model = vehicle.single("simulate()")
     t = _checked_time(time)
     z = _checked_profile(profile, tuple(vehicle.wheels), len(t))
-    y = _outputs(model, z, t)
+    y = _outputs(model, z, t, _checked_inputs(inputs, model.layout.controls, type(vehicle).__name__, len(t)))
     power = model.damping[:, None] * y[model.layout.rates] ** 2
     history = labelled_outputs(model.layout, y[None], power[None], vehicle.design_space(), ("time",), {"time": t})
     history.time.attrs["units"] = "s"
     return history
 
 
-def _outputs(model: Model, z: Array, t: Array) -> Array:
+def _outputs(model: Model, z: Array, t: Array, controls: Array | None = None) -> Array:
     """All outputs (outputs, T) on road heights (inputs, T), from static equilibrium on the first."""
     import control
 
     A, B, Y, D, D1 = (x.reshape(x.shape[-2:]) for x in model.displacement_form())
+    x0, driving = np.linalg.solve(A, -B @ z[:, 0]), z
+    if controls is not None:
+        further = [x.reshape(x.shape[-2:]) for x in model.controls()]
+        if not np.isfinite(further[0]).all():
+            raise ValueError("inputs: without cornering stiffness, what a car does under them is not determined")
+        B, D = np.hstack([B, further[0]]), np.hstack([D, further[1]])
+        driving = np.concatenate([z, controls])
     states = control.ss(A, B, np.eye(len(A)), np.zeros(B.shape))
-    x0 = np.linalg.solve(A, -B @ z[:, 0])
-    x = np.asarray(control.forced_response(states, t, z, x0).states)
-    y = Y @ x + D @ z
+    x = np.asarray(control.forced_response(states, t, driving, x0).states)
+    y = Y @ x + D @ driving
     return y + D1 @ np.gradient(z, t[1] - t[0], axis=1) if np.any(D1) else y
 
 
@@ -187,3 +207,24 @@ def _checked_profile(profile: Any, wheels: tuple[str, ...], samples: int) -> Arr
     if not np.isfinite(z).all():
         raise ValueError("profile must be finite, got NaN or inf")
     return z.astype(float)
+
+
+def _checked_inputs(inputs: Any, names: tuple[str, ...], kind: str, samples: int) -> Array | None:
+    """Further inputs (names, T), zero where none is given; None where none is at all."""
+    if inputs is None:
+        return None
+    if not isinstance(inputs, Mapping):
+        raise TypeError(f'inputs must be a mapping such as {{"delta_f": angles}}, got {briefly(inputs)}')
+    rows = np.zeros((len(names), samples))
+    for name, values in inputs.items():
+        if name not in names:
+            raise ValueError(f"inputs: {kind} has no input named {name!r}, available: {', '.join(names) or 'none'}")
+        row = np.asarray(values)
+        if row.dtype.kind not in "iuf":
+            raise TypeError(f"inputs[{name!r}] must be numbers, got {briefly(values)}")
+        if row.shape != (samples,) or not np.isfinite(row).all():
+            raise ValueError(
+                f"inputs[{name!r}] must be {samples} finite numbers, one an instant, got {briefly(values)}"
+            )
+        rows[names.index(name)] = row
+    return rows

@@ -143,7 +143,7 @@ def _along(vehicle: Vehicle, road: Road, axes: Mapping[str, ArrayLike]) -> tuple
     if not axes:
         raise ValueError(f"axes must name at least one parameter, available: {', '.join(quantities)}")
     for name in vehicle.quantities():
-        if not all(isinstance(leaf, float) for leaf in vehicle.at_wheels(name)):
+        if not all(leaf is None or isinstance(leaf, float) for leaf in vehicle.at_wheels(name)):
             raise ValueError(
                 f"{type(vehicle).__name__}({name}=...) of a sweep must be a number, or an axis; got an array"
             )
@@ -201,7 +201,7 @@ def _asked(
     chunk: Mapping[str, int],
 ) -> dict[str, str]:
     """Everything that decides the numbers of a store, as text by name."""
-    fixed = [name for name in vehicle.quantities() if name not in axes]
+    fixed = [name for name in vehicle.quantities() if name not in axes and getattr(vehicle, name) is not None]
     grid = {name: np.asarray(values, dtype=float) for name, values in axes.items()}
     return {
         "susp_ss": __version__,

@@ -8,6 +8,7 @@ MODELS = {
     "rigid-tyre": "quarter.RigidTyreQuarterCar",
     "pitch-half": "half.PitchHalfCar",
     "roll-half": "half.RollHalfCar",
+    "ride-handling": "ride_handling.RideHandlingCar",
 }
 """Every vehicle: its name in files and on the command line, its module and its class."""
 

@@ -77,6 +77,10 @@ class Model(Protocol):
         """A, B, Y and D over x, and what integrates behind it."""
         ...
 
+    def controls(self) -> tuple[Array, Array]:
+        """How the further inputs that a layout may name drive the states of `displacement_form`, and the outputs."""
+        ...
+
     def in_states(self, X: Array) -> Array:
         """A covariance (designs..., x and h, x and h) in the states that the layout names."""
         ...
@@ -112,6 +116,10 @@ class RoadVehicle(ABC):
     @abstractmethod
     def lazy(self) -> bool:
         """Whether some parameter's values are computed later."""
+
+    def moving(self, speed: Any) -> RoadVehicle:
+        """The vehicle on a road that passes at this speed, in m/s: itself, where only the road depends on that."""
+        return self
 
     @abstractmethod
     def with_points(self, points: Mapping[str, tuple[float, float]]) -> RoadVehicle:

@@ -36,7 +36,7 @@ def models() -> dict[str, type[Vehicle]]:
     --------
     >>> from susp_ss.vehicles.files import models
     >>> list(models())
-    ['full', 'quarter', 'rigid-tyre', 'pitch-half', 'roll-half']
+    ['full', 'quarter', 'rigid-tyre', 'pitch-half', 'roll-half', 'ride-handling']
     """
     places = {name: place.partition(".") for name, place in MODELS.items()}
     return {
@@ -163,9 +163,13 @@ def vehicle_text(vehicle: Vehicle) -> str:
         ]
     lines += [f'model = "{model_name(vehicle)}"', "", "[parameters]"]
     for name, quantity in quantities.items():
+        said = ", ".join(word for word in (quantity.meaning, quantity.bound) if word)
+        if getattr(vehicle, name) is None:
+            lines.append(f'# {name} = {{ value = ..., unit = "{quantity.unit}" }}  # {said}; none')
+            continue
         # Numbers and plain names read the same in TOML as in Python, but for the quotes.
         parts = ", ".join(f"{key} = {part!r}" for key, part in entry(vehicle, name).items()).replace("'", '"')
-        lines.append(f"{name} = {{ {parts} }}  # {quantity.meaning}, {quantity.bound}")
+        lines.append(f"{name} = {{ {parts} }}  # {said}")
     return "\n".join(lines)
 
 
@@ -179,7 +183,9 @@ def vehicle_table(vehicle: Vehicle) -> dict[str, Any]:
     """
     return {
         "model": model_name(vehicle),
-        "parameters": {name: entry(vehicle, name) for name in vehicle.quantities()},
+        "parameters": {
+            name: entry(vehicle, name) for name in vehicle.quantities() if getattr(vehicle, name) is not None
+        },
     }
 
 

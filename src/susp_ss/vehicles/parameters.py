@@ -66,7 +66,7 @@ def checked(value: Any, where: str, quantity: Quantity) -> Any:
     ValueError
         Empty, not finite, or below the bound.
     """
-    need = f"must be {quantity.bound} {quantity.unit}".rstrip()
+    need = " ".join(word for word in ("must be", quantity.bound or "a number of", quantity.unit) if word)
     if lazy(value):
         return _checked_lazy(value, where, need)
     if hasattr(value, "__dask_graph__") and not isinstance(value, xr.DataArray):
@@ -81,7 +81,8 @@ def checked(value: Any, where: str, quantity: Quantity) -> Any:
         raise ValueError(f"{where} {need}, got an empty array")
     values = values.astype(float)
     values.flags.writeable = False
-    bad = ~(np.isfinite(values) & (values >= 0.0 if quantity.zero else values > 0.0))
+    within = {"> 0": values > 0.0, ">= 0": values >= 0.0}.get(quantity.bound, True)
+    bad = ~(np.isfinite(values) & within)
     if bad.any():
         index = np.unravel_index(np.argmax(bad), bad.shape)
         dims = value.dims if isinstance(value, xr.DataArray) else design_dims(values.ndim)

@@ -95,6 +95,8 @@ class Layout:
     outputs: Outputs
     warps: bool
     dampers: bool = True
+    controls: tuple[str, ...] = ()
+    """Inputs beyond the road's, such as a steering angle."""
 
     @cached_property
     def variables(self) -> dict[str, tuple[Quantity, tuple[str, ...]]]:
@@ -253,6 +255,14 @@ class SecondOrder:
             B = np.concatenate([B, np.broadcast_to(self.warp, (*B.shape[:-2], 1, B.shape[-1]))], axis=-2)
             Y = np.concatenate([Y, self.on_warp[..., None]], axis=-1)
         return A, B, Y, self.on_road_velocity
+
+    def actuated(self) -> tuple[Array, Array]:
+        """What forces between wheel and body, one a corner, do to the states of either form, and to the outputs."""
+        push = -self.minv * self.R[..., self.suspensions, :].mT
+        D = self.acceleration @ push
+        # On a rigid tyre the road carries what the actuator pushes with.
+        D[..., self.layout.outputs.of("dtl"), :] += np.diag(self.suspensions == self.tyres)
+        return np.concatenate([np.zeros_like(push), push], axis=-2), D
 
     def relative_transfer(self, omega: Array) -> Array:
         """Outputs per road VELOCITY at angular frequencies ``omega`` (F,), as (designs..., F, outputs, inputs).

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..quantities import PARAMETERS, Quantity, briefly, signal
+from ..quantities import PARAMETERS, STEERED, Quantity, signal
 from .contract import RoadVehicle
 from .decoupled import OnStruts, halves, whole
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
 from .points import checked_points, with_points
-from .second_order import Layout, SecondOrder
+from .second_order import Layout
+from .systems import control_system
 
 if TYPE_CHECKING:
     import control
@@ -50,7 +51,7 @@ class Vehicle(RoadVehicle):
         """What each parameter is: as its field says, or as the table of quantities knows its name."""
         known = {}
         for field in dataclasses.fields(cls):
-            quantity = field.metadata.get("quantity", PARAMETERS.get(field.name))
+            quantity = field.metadata.get("quantity", (PARAMETERS | STEERED).get(field.name))
             if quantity is None:
                 raise TypeError(
                     f"{cls.__name__}.{field.name} is no known quantity; say what it is: "
@@ -126,6 +127,8 @@ class Vehicle(RoadVehicle):
     def _checked(self, name: str, quantity: Quantity) -> Any:
         value = getattr(self, name)
         where = f"{type(self).__name__}({name}=...)"
+        if value is None and getattr(type(self), name) is None:
+            return None
         if isinstance(value, list) and name in self.per_corner:
             each = "(first, second)" if len(self.wheels) == 2 else "Corners(fr=, fl=, rr=, rl=)"
             raise TypeError(
@@ -151,7 +154,8 @@ class Vehicle(RoadVehicle):
     def leaves(self) -> list[Any]:
         """Every parameter value, those of the corners one by one."""
         values = [getattr(self, field.name) for field in dataclasses.fields(self)]
-        return [leaf for x in values for leaf in (x if isinstance(x, (Corners, tuple)) else (x,))]
+        leaves = [leaf for x in values for leaf in (x if isinstance(x, (Corners, tuple)) else (x,))]
+        return [leaf for leaf in leaves if leaf is not None]
 
     def at_wheels(self, name: str) -> tuple[Any, ...]:
         """A parameter's value at each wheel, in the order of ``wheels``."""
@@ -196,7 +200,7 @@ class Vehicle(RoadVehicle):
             elif isinstance(value, tuple):
                 values[field.name] = tuple(function(part) for part in value)
             else:
-                values[field.name] = function(value)
+                values[field.name] = None if value is None else function(value)
         mapped = object.__new__(type(self))
         for name, value in values.items():
             object.__setattr__(mapped, name, value)
@@ -232,8 +236,8 @@ class Vehicle(RoadVehicle):
             object.__setattr__(vehicle, name, value)
         return vehicle
 
-    def assemble(self) -> SecondOrder:
-        """Matrices of the second-order model, stacked over the designs of a flattened vehicle."""
+    def assemble(self) -> Any:
+        """The model, stacked over the designs of a flattened vehicle: second-order matrices of its linkage."""
         return self.linkage().assemble()
 
     def damping(self) -> NDArray[np.float64]:
@@ -258,8 +262,8 @@ class Vehicle(RoadVehicle):
         """The names that all of its kind share: coordinates, inputs, corners and outputs."""
         return cls().linkage().layout
 
-    def single(self, what: str) -> SecondOrder:
-        """Matrices of the one design, for a method that takes no more than one."""
+    def single(self, what: str) -> Any:
+        """The model of the one design, for a method that takes no more than one."""
         if any(not isinstance(leaf, float) for leaf in self.leaves()):
             raise ValueError(f"{type(self).__name__}.{what} needs one number for every parameter, got arrays")
         return self.assemble()
@@ -300,41 +304,7 @@ class Vehicle(RoadVehicle):
         >>> bool(abs(ct.dcgain(system["sws", "z_r"])) < 1e-12)
         True
         """
-        import control
-
-        if not isinstance(actuators, bool | np.bool_):
-            raise TypeError(f"actuators must be True or False, got {briefly(actuators)}")
-        if input not in ("displacement", "velocity"):
-            raise ValueError(f"input must be 'displacement' or 'velocity', got {briefly(input)}")
-        model = self.single("state_space()")
-        layout, table = model.layout, model.layout.outputs
-        seen = {"sws_rate"} if actuators else set()
-        rows = [i for i, row in enumerate(table.rows) if row.public or row.quantity.name in seen]
-        outputs = tuple(table.names[i] for i in rows)
-        if input == "velocity":
-            A, B, Y, D = model.velocity_form()
-            states, inputs = layout.relative_states, tuple(f"d{name}" for name in layout.inputs)
-        else:
-            A, B, Y, D, D1 = model.displacement_form()
-            improper = [name for name, row in zip(outputs, D1[rows], strict=True) if np.any(row)]
-            if improper:
-                raise ValueError(
-                    f"{', '.join(improper)}: no state space from the displacement of the road exists, as its velocity "
-                    'is passed straight on; pass input="velocity"'
-                )
-            states, inputs = layout.states, layout.inputs
-        if actuators:
-            push = -model.minv * model.R[model.suspensions].T
-            B_u = np.zeros((len(A), len(layout.corners)))
-            B_u[len(push) : 2 * len(push)] = push
-            D_u = model.acceleration @ push
-            # On a rigid tyre the road carries what the actuator pushes with.
-            D_u[table.of("dtl")] += np.diag(model.suspensions == model.tyres)
-            B, D = np.hstack([B, B_u]), np.hstack([D, D_u])
-            inputs = inputs + tuple(signal("u", corner) for corner in layout.corners)
-        return control.ss(
-            A, B, Y[rows], D[rows], states=states, inputs=inputs, outputs=outputs, name=type(self).__name__
-        )
+        return control_system(self.single("state_space()"), type(self).__name__, input, actuators)
 
     def natural_frequencies(self) -> NDArray[np.float64]:
         """Undamped natural frequencies in Hz, ascending, (n,) or (designs..., n).

@@ -11,6 +11,7 @@ from .fitted import fitted_map
 from .frequency import bode, bode_magnitude, psd, study_curves
 from .modes import mode_shape, mode_shapes
 from .scan import scenario_scan
+from .steering import steering
 from .study import error_map, response_surfaces
 from .style import COLUMN, DPI, LINES, STYLE, WIDTH
 from .validation import learning_curves, parity, residuals
@@ -35,5 +36,6 @@ __all__ = [
     "residuals",
     "response_surfaces",
     "scenario_scan",
+    "steering",
     "study_curves",
 ]

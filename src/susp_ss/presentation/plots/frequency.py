@@ -27,7 +27,7 @@ SPECTRA = {name: shown(name, {"dtl": "N"}.get(name, "")) for name in LABELS}
 FREQUENCY = np.geomspace(0.1, 50.0, 400)
 
 
-def bode(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
+def bode(curves: Mapping[str, xr.DataArray], ax: Any = None, per: str = "m") -> Figure:
     """Magnitude and phase over frequency, for one or several models.
 
     Parameters
@@ -38,6 +38,8 @@ def bode(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
         same outputs.
     ax : array_like of Axes, optional
         A row of magnitudes and one of phases, a column an output.
+    per : str
+        Unit of the input: metres of road height, or another.
 
     Returns
     -------
@@ -62,7 +64,7 @@ def bode(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
                 H = curve.sel({dim: output})
                 above.loglog(H.frequency, np.abs(H), **style)
                 below.semilogx(H.frequency, np.degrees(np.unwrap(np.angle(H))), **style)
-            above.set(title=LABELS.get(output, output), ylabel=titled("|H|", _per_metre(output)))
+            above.set(title=LABELS.get(output, output), ylabel=titled("|H|", _per(per, output)))
             below.set(xlabel="frequency (Hz)", ylabel="phase (deg)")
             below.yaxis.set_major_locator(mpl.ticker.MaxNLocator(7, steps=[1, 1.8, 4.5, 9, 10]))
             add_grid(above)
@@ -144,7 +146,7 @@ def bode_magnitude(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure
         for here, (criterion, symbol) in zip(axes.flat, LABELS.items(), strict=True):
             for curve, style in styled(curves):
                 here.loglog(curve.frequency, np.abs(curve.sel(criterion=criterion)), **style)
-            here.set(xlabel="frequency (Hz)", ylabel=titled(f"|{symbol} / road|", _per_metre(criterion)))
+            here.set(xlabel="frequency (Hz)", ylabel=titled(f"|{symbol} / road|", _per("m", criterion)))
             add_grid(here)
         add_legend(figure, axes[0, 0], inside=ax is not None)
     return figure
@@ -161,7 +163,9 @@ def study_curves(
     under that corner's wheel alone.
     """
     quarter = frequency_response(quarter_car or QuarterCar(), FREQUENCY).sel(input="z_r", drop=True)
-    full = _criteria(frequency_response(full_car or FullCar(), FREQUENCY), corner)
+    car = full_car or FullCar()
+    heights = [signal("z_r", wheel) for wheel in car.wheels]
+    full = _criteria(frequency_response(car, FREQUENCY).sel(input=heights), corner)
     return {
         "quarter car": _criteria(quarter, corner),
         f"full car at {corner}, all wheels in phase": full.sum("input"),
@@ -178,8 +182,8 @@ def _criteria(response: xr.DataArray, corner: str) -> xr.DataArray:
     return response.sel(output=names).assign_coords(output=list(LABELS)).rename(output="criterion")
 
 
-def _per_metre(output: str) -> str:
-    return f"{_grouped(unit_of(output))}/m"
+def _per(input: str, output: str) -> str:
+    return f"{_grouped(unit_of(output)) or 1}/{_grouped(input)}"
 
 
 def _grouped(unit: str) -> str:

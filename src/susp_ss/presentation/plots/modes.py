@@ -23,6 +23,9 @@ AMPLITUDE = 0.25
 # How far the car's left side lies to the right of and above its right side, per metre of its width.
 DEPTH = np.array([0.5, 0.55])
 
+# A smaller share of a mode in heights is rounding: wheels that spin, which no drawing shows.
+SEEN = 1e-6
+
 AT_REST = "0.75"
 BODY, WHEEL = LINES[1][0], LINES[2][0]
 
@@ -66,8 +69,8 @@ def mode_shapes(vehicle: Vehicle, phase: float = 0.0, ax: Any = None) -> Figure:
         else:
             figure, given = panels(ax, 1, len(modes), (WIDTH, 2.0))
         for axes, (_, mode) in zip(given.flat, modes.iterrows(), strict=False):
-            _draw(axes, vehicle, AMPLITUDE * _displacements(vehicle, mode["shape"].to_numpy(), phase))
-            axes.set_title(f"{mode['frequency']:.3g} Hz, ζ = {mode['damping_ratio']:.2f}")
+            _draw(axes, vehicle, AMPLITUDE * _displacements(vehicle, mode["shape"], phase))
+            axes.set_title(_title(mode))
         for axes in given.flat[len(modes) :]:
             axes.set_axis_off()
         add_legend(figure, given.flat[0], inside=ax is not None)
@@ -109,19 +112,25 @@ def mode_shape(vehicle: Vehicle, mode: int, phase: float = 0.0, ax: Axes | None 
     chosen = modes.loc[mode]
     with mpl.rc_context(STYLE):
         figure, given = panels(ax, 1, 1, (COLUMN, 1.8))
-        _draw(given[0, 0], vehicle, AMPLITUDE * _displacements(vehicle, chosen["shape"].to_numpy(), phase))
-        given[0, 0].set_title(f"{chosen['frequency']:.3g} Hz, ζ = {chosen['damping_ratio']:.2f}")
+        _draw(given[0, 0], vehicle, AMPLITUDE * _displacements(vehicle, chosen["shape"], phase))
+        given[0, 0].set_title(_title(chosen))
     return figure
 
 
-def _displacements(vehicle: Vehicle, shape: NDArray, phase: float) -> NDArray[np.float64]:
+def _title(mode: Any) -> str:
+    named = f"{mode['name']}\n" if "name" in mode else ""
+    return f"{named}{mode['frequency']:.3g} Hz, ζ = {mode['damping_ratio']:.2f}"
+
+
+def _displacements(vehicle: Vehicle, shape: Any, phase: float) -> NDArray[np.float64]:
     """Vertical displacement of body points and wheels, (2, corners), the largest of the whole cycle being 1."""
-    model = vehicle.assemble()
+    model = vehicle.linkage().assemble()
     mounts = [corner.mount.terms for corner in vehicle.linkage().corners.values()]
-    body = coefficients(mounts, model.layout.coordinates) @ shape
-    wheels = body + model.R[model.suspensions] @ shape
+    heights = shape[list(model.layout.coordinates)].to_numpy()
+    body = coefficients(mounts, model.layout.coordinates) @ heights
+    wheels = body + model.R[model.suspensions] @ heights
     both = np.stack([body, wheels])
-    return (both * np.exp(1j * phase)).real / np.abs(both).max()
+    return (both * np.exp(1j * phase)).real / max(np.abs(both).max(), SEEN)
 
 
 def _draw(axes: Axes, vehicle: Vehicle, moved: NDArray) -> None:
