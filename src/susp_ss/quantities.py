@@ -88,6 +88,9 @@ METRICS = _table(
 )
 """Variables of `susp_ss.ride_metrics`, in their order."""
 
+SHIFT = Quantity("ride_height_shift", "m", "deflection of the suspension", dim="corner", statistic="mean")
+"""How far curves of springs and dampers move the mean position of a suspension: bump positive, the body sinks."""
+
 KNOWN = PARAMETERS | ROAD | METRICS
 
 # The pound is 0.45359237 kg and the inch 0.0254 m by definition; a pound-force weighs at g = 9.80665 m/s^2.
@@ -103,7 +106,7 @@ UNITS: dict[str, dict[str, float]] = {
     "N": {"N": 1.0, "kN": 1e3, "lbf": _LB * _G},
     "rad/s^2": {"rad/s^2": 1.0, "deg/s^2": math.pi / 180.0},
     "W": {"W": 1.0, "kW": 1e3},
-    "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704},
+    "m/s": {"m/s": 1.0, "mm/s": 1e-3, "km/h": 1.0 / 3.6, "mph": 0.44704},
     "m^3": {"m^3": 1.0, "cm^3": 1e-6},
     "cycle/m": {"cycle/m": 1.0, "rad/m": 0.5 / math.pi},
     "s": {"s": 1.0, "ms": 1e-3, "min": 60.0},

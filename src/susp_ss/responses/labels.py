@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..quantities import Quantity
+from ..quantities import SHIFT, Quantity
 from ..vehicles.parameters import DesignSpace
 from ..vehicles.second_order import Layout
 
@@ -59,6 +59,14 @@ def labelled_outputs(
     labels = places_of(layout)
     more = {**space.coords, **(coords or {})}
     return xr.Dataset(found, labels.assign(more) if more else labels)
+
+
+def shifted(layout: Layout, space: DesignSpace, values: NDArray[np.float64], long_name: str) -> xr.DataArray:
+    """Mean deflections (designs, corners) with their labels."""
+    dim = dim_of(SHIFT, layout.corners)
+    long_name = long_name.format(statistic=SHIFT.statistic, meaning=SHIFT.meaning)
+    shaped = space.unflatten(values if dim else values[:, 0], dim, {name: list(layout.corners) for name in dim})
+    return shaped.assign_attrs(units=SHIFT.unit, long_name=long_name)
 
 
 @cache

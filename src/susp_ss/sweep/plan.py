@@ -96,7 +96,7 @@ def plan(
     for name, given, known in (("method", method, tuple(MOST_DESIGNS)), ("dtype", dtype, DTYPES)):
         if given not in known:
             raise ValueError(f"{name} of a sweep must be one of {', '.join(known)}, got {briefly(given)}")
-    like = template(vehicle.layout(), method, {})
+    like = template(vehicle.layout(), method, {}, vehicle.curved)
     chosen = tuple(map(str, like.data_vars)) if outputs is None else _checked(outputs, like)
     frame, ground, arrays = taken_apart(*_along(vehicle, road, axes))
     chunk = chunks({name: arrays.sizes[name] for name in axes}, MOST_DESIGNS[method])

@@ -113,6 +113,11 @@ class RoadVehicle(ABC):
     def lazy(self) -> bool:
         """Whether some parameter's values are computed later."""
 
+    @property
+    def curved(self) -> bool:
+        """Whether a curve stands for some spring or damper, so that it is linear on one road at a time only."""
+        return False
+
     @abstractmethod
     def with_points(self, points: Mapping[str, tuple[float, float]]) -> RoadVehicle:
         """The same vehicle, measured at further points of its body."""

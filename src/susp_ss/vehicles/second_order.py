@@ -254,6 +254,14 @@ class SecondOrder:
             Y = np.concatenate([Y, self.on_warp[..., None]], axis=-1)
         return A, B, Y, self.on_road_velocity
 
+    def actuated(self) -> tuple[Array, Array]:
+        """States (q, v) and outputs per force between wheel and body at each corner, positive pushing the body up."""
+        push = -self.minv * self.R[..., self.suspensions, :].mT
+        on_outputs = self.acceleration @ push
+        # On a rigid tyre the road carries what the actuator pushes with.
+        on_outputs[..., self.layout.outputs.of("dtl"), :] += np.diag(self.suspensions == self.tyres)
+        return np.concatenate([np.zeros_like(push), push], axis=-2), on_outputs
+
     def relative_transfer(self, omega: Array) -> Array:
         """Outputs per road VELOCITY at angular frequencies ``omega`` (F,), as (designs..., F, outputs, inputs).
 

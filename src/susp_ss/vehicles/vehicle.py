@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..quantities import PARAMETERS, Quantity, briefly, signal
 from .contract import RoadVehicle
+from .curves import Curve, check_place
 from .decoupled import OnStruts, halves, whole
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
@@ -134,7 +136,7 @@ class Vehicle(RoadVehicle):
             )
         if isinstance(value, Corners) and name in self.per_corner and len(self.wheels) == 4:
             parts = zip(Corners.__dataclass_fields__, value, strict=True)
-            return Corners(**{corner: checked(part, f"{where} at corner {corner}", quantity) for corner, part in parts})
+            return Corners(**{corner: _passed(part, f"{where} at corner {corner}", quantity) for corner, part in parts})
         if isinstance(value, tuple) and name in self.per_corner:
             if len(self.wheels) != 2 or len(value) != 2:
                 raise ValueError(
@@ -142,16 +144,56 @@ class Vehicle(RoadVehicle):
                     + ("(first, second)" if len(self.wheels) == 2 else "Corners(fr=, fl=, rr=, rl=)")
                 )
             ends = zip(self.wheels, value, strict=True)
-            return tuple(checked(part, f"{where} at end {end}", quantity) for end, part in ends)
+            return tuple(_passed(part, f"{where} at end {end}", quantity) for end, part in ends)
         if isinstance(value, Corners):
             takes = "(first, second)" if name in self.per_corner else "one value"
             raise TypeError(f"{where} takes {takes}, got Corners")
-        return checked(value, where, quantity)
+        return _passed(value, where, quantity)
 
-    def leaves(self) -> list[Any]:
+    def values(self) -> list[Any]:
         """Every parameter value, those of the corners one by one."""
         values = [getattr(self, field.name) for field in dataclasses.fields(self)]
-        return [leaf for x in values for leaf in (x if isinstance(x, (Corners, tuple)) else (x,))]
+        return [part for x in values for part in (x if isinstance(x, (Corners, tuple)) else (x,))]
+
+    def leaves(self) -> list[Any]:
+        """Whatever spans designs: every parameter value, and what curves are made of."""
+        return [leaf for x in self.values() for leaf in (x.leaves() if isinstance(x, Curve) else (x,))]
+
+    @property
+    def curved(self) -> bool:
+        """Whether a curve stands for some spring or damper."""
+        return any(isinstance(x, Curve) for x in self.values())
+
+    def straightened(self, numbers: Mapping[str, Sequence[Any]]) -> Self:
+        """The same vehicle with numbers at each wheel for fields that have curves, unchecked."""
+        straight = copy.copy(self)
+        for name, at in numbers.items():
+            alike = all(number is at[0] for number in at)
+            object.__setattr__(straight, name, at[0] if alike else _joined(dict(zip(self.wheels, at, strict=True))))
+        return straight
+
+    def middling(self) -> Self:
+        """The same with the rates that curves come to on a passable road, one number for curves that are alike."""
+        return self.straightened(self._rates(lambda curve: curve.means(curve.middling).slope))
+
+    def steepest(self) -> Self:
+        """The same with the largest rates of curves."""
+        return self.straightened(self._rates(lambda curve: curve.steepest))
+
+    def _rates(self, rate: Callable[[Curve], Any]) -> dict[str, list[Any]]:
+        known: list[tuple[Curve, Any]] = []
+
+        def number(value: Any) -> Any:
+            if not isinstance(value, Curve):
+                return value
+            found = next((number for curve, number in known if curve.alike(value)), None)
+            if found is None:
+                found = rate(value)
+                known.append((value, found))
+            return found
+
+        fields = [name for name in ("ks", "cs") if any(isinstance(x, Curve) for x in self.at_wheels(name))]
+        return {name: [number(value) for value in self.at_wheels(name)] for name in fields}
 
     def at_wheels(self, name: str) -> tuple[Any, ...]:
         """A parameter's value at each wheel, in the order of ``wheels``."""
@@ -187,16 +229,20 @@ class Vehicle(RoadVehicle):
         return self.mapped(lambda x: x[designs] if isinstance(x, np.ndarray) else x)
 
     def mapped(self, function: Any) -> Self:
-        """The same vehicle with a function applied to every parameter value, unchecked."""
+        """The same vehicle with a function applied to every parameter value, or a curve's, unchecked."""
+
+        def each(value: Any) -> Any:
+            return value.mapped(function) if isinstance(value, Curve) else function(value)
+
         values: dict[str, Any] = {}
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if isinstance(value, Corners):
-                values[field.name] = Corners(**{k: function(getattr(value, k)) for k in Corners.__dataclass_fields__})
+                values[field.name] = Corners(**{k: each(getattr(value, k)) for k in Corners.__dataclass_fields__})
             elif isinstance(value, tuple):
-                values[field.name] = tuple(function(part) for part in value)
+                values[field.name] = tuple(each(part) for part in value)
             else:
-                values[field.name] = function(value)
+                values[field.name] = each(value)
         mapped = object.__new__(type(self))
         for name, value in values.items():
             object.__setattr__(mapped, name, value)
@@ -234,11 +280,21 @@ class Vehicle(RoadVehicle):
 
     def assemble(self) -> SecondOrder:
         """Matrices of the second-order model, stacked over the designs of a flattened vehicle."""
-        return self.linkage().assemble()
+        return self._linear().assemble()
+
+    def _linear(self) -> Linkage:
+        """The linkage where numbers are needed, or say that there are curves."""
+        curves = dict.fromkeys(x.field for x in self.values() if isinstance(x, Curve))
+        if curves:
+            raise ValueError(
+                f"{type(self).__name__} has a curve for {', '.join(curves)} where a number is needed; pass "
+                "ss.linearised(vehicle, road), the linear vehicle that comes closest to it on a road"
+            )
+        return self.linkage()
 
     def damping(self) -> NDArray[np.float64]:
         """Damping rate at every corner of a flattened vehicle, (corners,) or (designs, corners)."""
-        return np.stack(np.broadcast_arrays(*(corner.cs for corner in self.linkage().corners.values()))).T
+        return np.stack(np.broadcast_arrays(*(corner.cs for corner in self._linear().corners.values()))).T
 
     def halves(self) -> tuple[OnStruts, ...]:
         """The mean of left and right, and half their difference, of a flattened vehicle.
@@ -246,11 +302,11 @@ class Vehicle(RoadVehicle):
         There are none where the sides differ, and none of a kind of vehicle that has matrices of its own: its linkage
         does not answer for them.
         """
-        return halves(self.linkage(), self.wheels) if type(self).assemble is Vehicle.assemble else ()
+        return halves(self._linear(), self.wheels) if type(self).assemble is Vehicle.assemble else ()
 
     def whole(self) -> OnStruts | None:
         """All struts on the rigid body of a flattened vehicle; None of one that is more, or has matrices of its own."""
-        return whole(self.linkage()) if type(self).assemble is Vehicle.assemble else None
+        return whole(self._linear()) if type(self).assemble is Vehicle.assemble else None
 
     @classmethod
     @cache
@@ -324,12 +380,8 @@ class Vehicle(RoadVehicle):
                 )
             states, inputs = layout.states, layout.inputs
         if actuators:
-            push = -model.minv * model.R[model.suspensions].T
-            B_u = np.zeros((len(A), len(layout.corners)))
-            B_u[len(push) : 2 * len(push)] = push
-            D_u = model.acceleration @ push
-            # On a rigid tyre the road carries what the actuator pushes with.
-            D_u[table.of("dtl")] += np.diag(model.suspensions == model.tyres)
+            B_u, D_u = model.actuated()
+            B_u = np.pad(B_u, [(0, len(A) - len(B_u)), (0, 0)])
             B, D = np.hstack([B, B_u]), np.hstack([D, D_u])
             inputs = inputs + tuple(signal("u", corner) for corner in layout.corners)
         return control.ss(
@@ -390,6 +442,11 @@ class Vehicle(RoadVehicle):
                 "shape": [pd.Series(shape, index=model.layout.coordinates) for shape in shapes.T],
             }
         )
+
+
+def _passed(value: Any, where: str, quantity: Quantity) -> Any:
+    """A checked number, array, DataArray or curve."""
+    return check_place(value, where, quantity.name) if isinstance(value, Curve) else checked(value, where, quantity)
 
 
 def _joined(at_wheels: dict[str, Any]) -> Corners | tuple[Any, ...]:
