@@ -28,8 +28,8 @@ METHODS = ("covariance", "spectral", "time")
 Array = NDArray[np.float64]
 
 LINEARISED = (
-    "springs and dampers with curves are statistically linearised: the linear ones that come closest in the mean square "
-    "stand in their place, about the mean deflection ride_height_shift"
+    "springs and dampers with curves are statistically linearised: the linear ones that come closest in the mean "
+    "square stand in their place, about the mean deflection ride_height_shift"
 )
 """What metrics of curved springs and dampers are: the comment of the Dataset."""
 

@@ -20,6 +20,7 @@ from ..quantities import ROAD, briefly, signal
 from ..responses.excitation import check_kinds
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
+from ..vehicles.curves import Curve
 from ..vehicles.files import entry, model_name
 from ..vehicles.vehicle import Vehicle
 
@@ -201,7 +202,7 @@ def _asked(
     chunk: Mapping[str, int],
 ) -> dict[str, str]:
     """Everything that decides the numbers of a store, as text by name."""
-    fixed = [name for name in vehicle.quantities() if name not in axes]
+    fixed = [name for name in vehicle.quantities() if name not in axes or isinstance(getattr(vehicle, name), Curve)]
     grid = {name: np.asarray(values, dtype=float) for name, values in axes.items()}
     return {
         "susp_ss": __version__,

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import erf, ndtr
 
 from ..quantities import PARAMETERS, UNITS, Quantity, briefly
-from .parameters import checked
+from .parameters import checked, lazy
 
 Array = NDArray[np.float64]
 
@@ -224,6 +224,10 @@ class Curve:
         """Means of the force and its derivatives where the motion is Gaussian."""
         return self.law.means(sigma, mean).scaled(self.factor)
 
+    def with_rate(self, rate: Any) -> Self:
+        """One of another rate for small motion."""
+        raise NotImplementedError
+
     def alike(self, other: Any) -> bool:
         """Whether another is the same law in every design."""
         if self is other:
@@ -346,8 +350,16 @@ class DamperCurve(Curve):
         """
         return _read(cls, Path(path))
 
-    def with_rate(self, rate: Any) -> DamperCurve:
-        """The same damper scaled to another rate for small motion."""
+    def with_rate(self, rate: Any) -> Self:
+        """The same damper scaled to another rate for small motion.
+
+        Raises
+        ------
+        ValueError
+            It has no rate for small motion that could be scaled.
+        """
+        if np.any(self.law.rate == 0.0):
+            raise ValueError(f"{self!r} has no force for small motion, so that no rate can scale it")
         return self.of(self.law, self.said, rate / self.law.rate)
 
 
@@ -447,13 +459,35 @@ class SpringCurve(Curve):
         """
         return _read(cls, Path(path))
 
-    def with_rate(self, rate: Any) -> SpringCurve:
-        """The same with another main spring, so that this is the stiffness for small motion."""
+    def with_rate(self, rate: Any) -> Self:
+        """The same with another main spring, so that this is the stiffness for small motion.
+
+        Raises
+        ------
+        ValueError
+            Its force would then fall somewhere.
+        """
         law: Any = self.law
-        return self.of(law.stiffened(rate / self.factor - law.rate), self.said, self.factor)
+        stiffened = law.stiffened(rate / self.factor - law.rate)
+        if any(not lazy(slope) and np.any(slope < 0.0) for slope in stiffened.slopes):
+            raise ValueError(
+                f"{self!r} is softer somewhere than for small motion, where its stiffness is {briefly(self.rate)} N/m; "
+                f"a stiffness of {briefly(rate)} N/m would let its force fall there"
+            )
+        return self.of(stiffened, self.said, self.factor)
 
 
 CS = PARAMETERS["cs"]
+
+
+def rated(own: Any, number: Any) -> Any:
+    """What a number makes of a parameter's own value: of a curve, one of that rate for small motion."""
+    return own.with_rate(number) if isinstance(own, Curve) else number
+
+
+def rate_of(own: Any) -> Any:
+    """A parameter's number: of a curve its rate for small motion."""
+    return own.rate if isinstance(own, Curve) else own
 
 
 def check_place(curve: Curve, where: str, field: str) -> Curve:

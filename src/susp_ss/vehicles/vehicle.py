@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..quantities import PARAMETERS, Quantity, briefly, signal
 from .contract import RoadVehicle
-from .curves import Curve, check_place
+from .curves import Curve, check_place, rated
 from .decoupled import OnStruts, halves, whole
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
@@ -84,6 +84,8 @@ class Vehicle(RoadVehicle):
     def replaced(self, **values: Any) -> Self:
         """The same vehicle with other values by the names of `settings`; where two names set one wheel, the narrower.
 
+        A number for a curve is its rate for small motion.
+
         Raises
         ------
         ValueError
@@ -103,21 +105,24 @@ class Vehicle(RoadVehicle):
             field, wheels = known[name]
             own = dict(zip(self.wheels, self.at_wheels(field), strict=True))
             self._refuse_to_flatten(name, {wheel: own[wheel] for wheel in wheels})
-            at_wheels.setdefault(field, own).update(dict.fromkeys(wheels, values[name]))
+            there = {wheel: rated(own[wheel], values[name]) for wheel in wheels}
+            at_wheels.setdefault(field, own).update(there)
         named = [known[name][0] for name in values]
-        everywhere = {name: value for name, value in values.items() if named.count(name) == 1}
-        return dataclasses.replace(self, **{field: _joined(at) for field, at in at_wheels.items()} | everywhere)
+        everywhere = {
+            name: rated(self.at_wheels(name)[0], value) for name, value in values.items() if named.count(name) == 1
+        }
+        return dataclasses.replace(self, **{field: joined(at) for field, at in at_wheels.items()} | everywhere)
 
     def _refuse_to_flatten(self, name: str, own: dict[str, Any]) -> None:
         first, *others = own.values()
-        if all(other is first or np.array_equal(other, first) for other in others):
+        if all(_equal(other, first) for other in others):
             return
         field, _ = self.settings()[name]
         values = dict(zip(self.wheels, self.at_wheels(field), strict=True))
         narrower = [
             one
             for one, (of, at) in sorted(self.settings().items(), key=lambda item: -len(item[1][1]))
-            if of == field and len(at) < len(own) and all(np.array_equal(values[at[0]], values[w]) for w in at)
+            if of == field and len(at) < len(own) and all(_equal(values[at[0]], values[w]) for w in at)
         ]
         said = ", ".join(f"{wheel} {value:g}" for wheel, value in own.items() if isinstance(value, float))
         raise ValueError(
@@ -169,7 +174,7 @@ class Vehicle(RoadVehicle):
         straight = copy.copy(self)
         for name, at in numbers.items():
             alike = all(number is at[0] for number in at)
-            object.__setattr__(straight, name, at[0] if alike else _joined(dict(zip(self.wheels, at, strict=True))))
+            object.__setattr__(straight, name, at[0] if alike else joined(dict(zip(self.wheels, at, strict=True))))
         return straight
 
     def middling(self) -> Self:
@@ -449,8 +454,14 @@ def _passed(value: Any, where: str, quantity: Quantity) -> Any:
     return check_place(value, where, quantity.name) if isinstance(value, Curve) else checked(value, where, quantity)
 
 
-def _joined(at_wheels: dict[str, Any]) -> Corners | tuple[Any, ...]:
+def _equal(one: Any, other: Any) -> bool:
+    return one.alike(other) if isinstance(one, Curve) else one is other or np.array_equal(one, other)
+
+
+def joined(at_wheels: dict[str, Any]) -> Any:
     """A value for each wheel as a field holds them."""
+    if len(at_wheels) == 1:
+        return next(iter(at_wheels.values()))
     return Corners(**at_wheels) if len(at_wheels) == 4 else tuple(at_wheels.values())
 
 
