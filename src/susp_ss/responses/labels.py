@@ -61,11 +61,13 @@ def labelled_outputs(
     return xr.Dataset(found, labels.assign(more) if more else labels)
 
 
-def shifted(layout: Layout, space: DesignSpace, values: NDArray[np.float64], long_name: str) -> xr.DataArray:
-    """Mean deflections (designs, corners) with their labels."""
+def shifted(
+    layout: Layout, space: DesignSpace, values: NDArray[np.float64], long_name: str, dims: tuple[str, ...] = ()
+) -> xr.DataArray:
+    """Mean deflections (designs, corners, ...) with their labels, and trailing axes ``dims``."""
     dim = dim_of(SHIFT, layout.corners)
     long_name = long_name.format(statistic=SHIFT.statistic, meaning=SHIFT.meaning)
-    shaped = space.unflatten(values if dim else values[:, 0], dim, {name: list(layout.corners) for name in dim})
+    shaped = space.unflatten(values if dim else values[:, 0], (*dim, *dims), {d: list(layout.corners) for d in dim})
     return shaped.assign_attrs(units=SHIFT.unit, long_name=long_name)
 
 

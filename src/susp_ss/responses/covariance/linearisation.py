@@ -37,16 +37,7 @@ STILL = 1e-24
 STEPS = 60
 
 
-class Linearised(NamedTuple):
-    """The linear cars of N designs, variances (N, outputs) of all outputs, and mean deflections (N, corners)."""
-
-    vehicle: Any
-    variances: Array
-    shift: Array
-    rounds: NDArray[np.int_]
-
-
-class _State(NamedTuple):
+class State(NamedTuple):
     """Rates at every corner, their means where they come of curves, and mean deflections (N, corners)."""
 
     cs: list[Any]
@@ -54,6 +45,33 @@ class _State(NamedTuple):
     damping: list[Means | None]
     stiffness: list[Means | None]
     mean: Array
+
+
+class Linearised(NamedTuple):
+    """The linear cars of N designs, the state that made them, and variances (N, outputs) of all outputs."""
+
+    vehicle: Any
+    state: State
+    variances: Array
+    rounds: NDArray[np.int_]
+
+    @property
+    def shift(self) -> Array:
+        """Mean deflections (N, corners)."""
+        return self.state.mean
+
+    def select(self, designs: slice) -> Linearised:
+        """The same of some of the designs."""
+
+        def some(x: Any) -> Any:
+            if isinstance(x, list):
+                return [some(part) for part in x]
+            if isinstance(x, Means):
+                return Means(*map(some, x))
+            return x[designs] if isinstance(x, np.ndarray) else x
+
+        state = State(*map(some, self.state))
+        return Linearised(self.vehicle.select(designs), state, self.variances[designs], self.rounds[designs])
 
 
 def linearised(vehicle: Vehicle, road: Road) -> Vehicle:
@@ -144,7 +162,8 @@ def linearise(flat: Vehicle, space: DesignSpace, road: Road, designs: int = 1) -
             f"settle in {ROUNDS} rounds; pass gentler curves or a smoother road"
         )
     state = rounds.state(x, np.arange(N))
-    return Linearised(rounds.straight(state, np.arange(N)), variances, rounds.shift(state), count)
+    state = state._replace(mean=rounds.shift(state))
+    return Linearised(rounds.straight(state, np.arange(N)), state, variances, count)
 
 
 def _unbounded(flat: Vehicle, space: DesignSpace, design: int) -> ValueError:
@@ -200,7 +219,7 @@ class _Rounds:
         powers += [np.log(_weight(self.first_cs[i]) * SpringCurve.middling**2) for i, *_ in self.sprung]
         return np.stack([np.broadcast_to(power, self.N) for power in powers], axis=-1)
 
-    def state(self, x: Array, chosen: NDArray[np.int_]) -> _State:
+    def state(self, x: Array, chosen: NDArray[np.int_]) -> State:
         """The linear rates of some designs, and about which mean."""
         some, columns = self.flat.select(chosen), iter(np.exp(x).T)
         dampers, springs = some.at_wheels("cs"), some.at_wheels("ks")
@@ -220,9 +239,9 @@ class _Rounds:
             means = springs[first].means(sigma[:, first], mean[:, first])
             for i in group:
                 ks[i], stiffness[i] = means.slope, means
-        return _State(cs, ks, damping, stiffness, mean)
+        return State(cs, ks, damping, stiffness, mean)
 
-    def straight(self, state: _State, chosen: NDArray[np.int_]) -> Vehicle:
+    def straight(self, state: State, chosen: NDArray[np.int_]) -> Vehicle:
         """The linear cars of a state."""
         return self.flat.select(chosen).straightened({"cs": state.cs, "ks": state.ks})
 
@@ -237,7 +256,7 @@ class _Rounds:
         powers += [np.log(_weight(state.cs[i]) * travels[:, i]) for i, *_ in self.sprung]
         return _Answer(np.stack(powers, axis=-1), variances)
 
-    def shift(self, state: _State) -> Array:
+    def shift(self, state: State) -> Array:
         """Mean deflection (N, corners) at every corner."""
         if self.sprung:
             return state.mean
