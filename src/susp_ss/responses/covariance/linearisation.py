@@ -119,14 +119,21 @@ def linearised(vehicle: Vehicle, road: Road) -> Vehicle:
         return vehicle
     space, flat, ground = spanned(vehicle, road)
     straight = linearise(flat, space, ground).vehicle
-    numbers: dict[str, list[Any]] = {}
-    for field in ("cs", "ks"):
-        own, found, known = vehicle.at_wheels(field), straight.at_wheels(field), dict[int, Any]()
-        if any(isinstance(x, Curve) for x in own):
-            for x in found:
-                known[id(x)] = space.unflatten(np.asarray(x)) if space.dims else float(x[0])
-            pairs = zip(own, found, strict=True)
-            numbers[field] = [known[id(new)] if isinstance(old, Curve) else old for old, new in pairs]
+    known: dict[int, Any] = {}
+
+    def number(own: Any, found: Any) -> Any:
+        if not isinstance(own, Curve):
+            return own
+        if id(found) not in known:
+            values = np.broadcast_to(found, space.size)
+            known[id(found)] = space.unflatten(values) if space.dims else float(values[0])
+        return known[id(found)]
+
+    numbers = {
+        field: [number(*pair) for pair in zip(vehicle.at_wheels(field), straight.at_wheels(field), strict=True)]
+        for field in ("cs", "ks")
+        if any(isinstance(x, Curve) for x in vehicle.at_wheels(field))
+    }
     return vehicle.straightened(numbers)
 
 
