@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 # Steps times the fastest swing: heights taken as linear over a step weaken that swing by its square over 12.
 RESOLVED = 0.15
 
-# Times the slowest mode's decay time until the start is forgotten; a curve may damp small motion less than most.
-FORGET, FORGET_CURVED = 8.0, 16.0
+# Times the slowest mode's decay time until the start is forgotten.
+FORGET = 8.0
 
 # Parts of a record with curves, each as many times the time to forget, are driven side by side.
 PARTS = 1.0
@@ -162,7 +162,7 @@ def _moments(vehicle: Any, road: Road, duration: float, step: float, seed: int) 
     if tau:
         step = tau / np.ceil(tau / step)
     fading = eigenvalues if road.weighting is None else np.concatenate([eigenvalues, road.weighting.poles])
-    forget = (FORGET_CURVED if curved else FORGET) / np.abs(fading.real).min()
+    forget = FORGET / np.abs(fading.real).min()
     if (duration + forget) / step > MOST_STEPS:
         raise ValueError(
             f"{type(vehicle).__name__} needs {(duration + forget) / step:.2g} time steps, {forget:.3g} s of them to "

@@ -9,7 +9,7 @@ middle and one of the end: the exponential Runge-Kutta method of Cox and Matthew
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,14 +46,14 @@ class Stepper:
         self.travel, self.rate = (np.arange(len(table))[table.of(name)] for name in ("sws", "sws_rate"))
         self.seen = np.concatenate([self.travel, self.rate])
 
+        self.curves = [*_grouped(self.dampers, self.first_cs), *_grouped(self.springs, self.first_ks)]
+
     def beyond(self, travel: Array, rate: Array) -> Array:
         """What curves push more than the numbers in their place, (corners, ...)."""
         u = np.zeros_like(travel)
-        for i, (damper, spring) in enumerate(zip(self.dampers, self.springs, strict=True)):
-            if isinstance(damper, Curve):
-                u[i] += damper.force(rate[i]) - self.first_cs[i] * rate[i]
-            if isinstance(spring, Curve):
-                u[i] += spring.force(travel[i]) - self.first_ks[i] * travel[i]
+        for corners, curve, number in self.curves:
+            motion = (rate if curve.field == "cs" else travel)[corners]
+            u[corners] += curve.force(motion) - number * motion
         return u
 
     def rest(self, z: Array) -> Array:
@@ -122,3 +122,17 @@ def _held(A: Array, B: Array, h: float) -> list[Array]:
     block[n : n + m, n + m : n + 2 * m] = np.eye(m)
     block[n + m : n + 2 * m, n + 2 * m :] = 2.0 * np.eye(m)
     return np.split(expm(block)[:n], [n, n + m, n + 2 * m], axis=1)
+
+
+def _grouped(values: tuple[Any, ...], numbers: tuple[Any, ...]) -> list[tuple[Any, Curve, Any]]:
+    """Corners that have a curve, those with one and the same together, the curve, and the number in its place."""
+    found: list[tuple[list[int], Curve, Any]] = []
+    for i, (value, number) in enumerate(zip(values, numbers, strict=True)):
+        if isinstance(value, Curve):
+            group = next((corners for corners, curve, _ in found if curve.alike(value)), None)
+            if group is None:
+                found.append(([i], value, number))
+            else:
+                group.append(i)
+    every = slice(None)
+    return [(every if len(corners) == len(values) else corners, *rest) for corners, *rest in found]

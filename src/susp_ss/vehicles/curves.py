@@ -103,7 +103,7 @@ class Broken:
     def force(self, x: Any) -> Any:
         total = self.slopes[0] * x
         for kink, rise in self._bends():
-            total = total + rise * (np.maximum(x - kink, 0.0) - np.maximum(-kink, 0.0))
+            total = total + rise * (np.maximum(x - kink, 0.0) - _above(kink))
         return total
 
     def means(self, sigma: Any, mean: Any = 0.0) -> Means:
@@ -111,7 +111,7 @@ class Broken:
         for kink, rise in self._bends():
             u = (mean - kink) / sigma
             below, density = ndtr(u), np.exp(-0.5 * u**2) / np.sqrt(2.0 * np.pi)
-            force = force + rise * (sigma * (u * below + density) - np.maximum(-kink, 0.0))
+            force = force + rise * (sigma * (u * below + density) - _above(kink))
             slope, curvature = slope + rise * below, curvature + rise * density / sigma
             third = third - rise * u * density / sigma**2
         return Means(force, slope, curvature, third)
@@ -218,7 +218,8 @@ class Curve:
 
     def force(self, x: ArrayLike) -> Any:
         """Force in N at a velocity (m/s) or a deflection (m), zero at rest."""
-        return self.factor * self.law.force(x if isinstance(x, xr.DataArray) else np.asarray(x, dtype=float))
+        force = self.law.force(x if isinstance(x, xr.DataArray) else np.asarray(x, dtype=float))
+        return force if isinstance(self.factor, float) and self.factor == 1.0 else self.factor * force
 
     def means(self, sigma: Any, mean: Any = 0.0) -> Means:
         """Means of the force and its derivatives where the motion is Gaussian."""
@@ -500,6 +501,11 @@ def check_place(curve: Curve, where: str, field: str) -> Curve:
 
 def _named(bump: Any, rebound: Any) -> list[tuple[str, Any]]:
     return [("bump", bump), ("rebound", rebound)]
+
+
+def _above(kink: Any) -> Any:
+    """How far rest lies above a kink."""
+    return max(-kink, 0.0) if isinstance(kink, float) else np.maximum(-kink, 0.0)
 
 
 def _where(condition: Any, one: Any, other: Any) -> Any:
