@@ -80,6 +80,7 @@ def run(
     pitch_acc, roll_acc: angular acceleration of the body (rad/s^2)
     damper_power: mean power dissipated in each damper (W)
     tyre_deflection (m), sws_rate: suspension velocity (m/s)
+    ride_height_shift: mean suspension deflection (m), of a vehicle file with curves of springs or dampers
 
     An infinite variance shows as inf, in JSON as the text "inf".
     """
@@ -133,6 +134,7 @@ def _document(vehicle: dict[str, Any], road: "Road", method: str, result: "xr.Da
             else json_number(data.item())
             for name, data in result.items()
         },
+        **({"comment": result.attrs["comment"]} if "comment" in result.attrs else {}),
     }
 
 
@@ -189,3 +191,5 @@ def _print(vehicle: str, road: "Road", result: "xr.Dataset") -> None:
     print_table(table)
     for name, data in result.items():
         typer.echo(f"{name}: {_weighted(data)}{data.attrs['long_name']}{_comment(data)}")
+    if "comment" in result.attrs:
+        typer.echo(result.attrs["comment"])
