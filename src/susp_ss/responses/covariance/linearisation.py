@@ -119,8 +119,8 @@ def linearised(vehicle: Vehicle, road: Road) -> Vehicle:
     digressive 1:3, stops          C, D   -4.5, 1.0     -4.6, 0.7     -2.4, -0.8    -0.3, 0.6
     =============================  =====  ============  ============  ============  ============
 
-    So it is good to 2 % in body acceleration and tyre load up to 1:2 and for digression of any kind, and in damper
-    power always; not in the deflection beyond 1:1.5, nor where stops are hit often.
+    So it is good to 2 % in body acceleration and tyre load up to 1:2.5 (1:2 if digressive, too) and for symmetric
+    digression, and in damper power always; not in the deflection beyond 1:1.8, nor where stops are hit often.
 
     Examples
     --------
