@@ -144,7 +144,8 @@ def _along(vehicle: Vehicle, road: Road, axes: Mapping[str, ArrayLike]) -> tuple
     if not axes:
         raise ValueError(f"axes must name at least one parameter, available: {', '.join(quantities)}")
     for name in vehicle.quantities():
-        if not all(isinstance(leaf, float) for leaf in vehicle.at_wheels(name)):
+        own = [x.leaves() if isinstance(x, Curve) else [x] for x in vehicle.at_wheels(name)]
+        if not all(isinstance(leaf, float) for leaves in own for leaf in leaves):
             raise ValueError(
                 f"{type(vehicle).__name__}({name}=...) of a sweep must be a number, or an axis; got an array"
             )
