@@ -23,11 +23,12 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={f"vehicles.{module}": classes for module, classes in CLASSES.items()}
     | {
+        "vehicles.curves": ["DamperCurve", "SpringCurve"],
         "vehicles.linear": ["LinearVehicle"],
         "vehicles.parameters": ["Corners"],
         "roads": ["DEFAULT_ROAD", "Road"],
         "responses": ["frequency_response", "psd", "simulate"],
-        "responses.covariance": ["covariance"],
+        "responses.covariance": ["covariance", "linearised"],
         "metrics": ["Response", "ride_metrics", "sensitivity", "weighting"],
         "surrogates": [
             "CoKriging",

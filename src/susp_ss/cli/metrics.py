@@ -82,6 +82,7 @@ def run(
     tyre_deflection (m), sws_rate: suspension velocity (m/s)
     With --model ride-handling also ay (m/s^2), yaw_rate (rad/s), sideslip, roll and
     slip_angle (rad), load_transfer (N) of each axle and load_transfer_ratio.
+    ride_height_shift: mean suspension deflection (m), of a vehicle file with curves of springs or dampers
 
     An infinite variance shows as inf, in JSON as the text "inf".
     """
@@ -135,6 +136,7 @@ def _document(vehicle: dict[str, Any], road: "Road", method: str, result: "xr.Da
             else json_number(data.item())
             for name, data in result.items()
         },
+        **({"comment": result.attrs["comment"]} if "comment" in result.attrs else {}),
     }
 
 
@@ -191,3 +193,5 @@ def _print(vehicle: str, road: "Road", result: "xr.Dataset") -> None:
     print_table(table)
     for name, data in result.items():
         typer.echo(f"{name}: {_weighted(data)}{data.attrs['long_name']}{_comment(data)}")
+    if "comment" in result.attrs:
+        typer.echo(result.attrs["comment"])

@@ -97,7 +97,7 @@ def closed_form(cheap: LowFidelityResponse, value: float | None = None) -> str |
     if cheap.parameter is not None and value is not None:
         given[cheap.parameter] = value
     white = road.waviness == 2.0 and road.scale_free and "cutoff" not in given
-    if not _is_quarter_car(car) or not white or car.ct or "ct" in given:
+    if not _is_quarter_car(car) or car.curved or not white or car.ct or "ct" in given:
         return None
     own = {**vars(car), "speed": road.speed, "roughness": road.roughness}
     symbols: dict[str, float | str] = own | given

@@ -15,6 +15,7 @@ from ..metrics.response import Response
 from ..quantities import CORNERS, GROUPS, ROAD, briefly, metric_and_place, signal
 from ..responses.settings import settable
 from ..roads.road import Road
+from ..vehicles.curves import rate_of
 from ..vehicles.full import FullCar
 from ..vehicles.linkage import Wheel
 from ..vehicles.vehicle import Vehicle
@@ -209,7 +210,7 @@ class LowFidelity:
         field = column if column in known else corners_of(column)[0]
         if field in ROAD:
             return getattr(self.road, field)
-        return float(np.mean(self.vehicle.at_wheels(field))) if field in known else None
+        return float(np.mean([rate_of(own) for own in self.vehicle.at_wheels(field)])) if field in known else None
 
     def response(self, output: str, columns: Sequence[str], tuned: bool = False) -> LowFidelityResponse | None:
         """Return the cheap response of an output to named columns, or None where the model has none.

@@ -30,7 +30,7 @@ def lazy_metrics(vehicle: RoadVehicle, road: Road, how: dict[str, Any]) -> xr.Da
     unlabelled = [dim for dim in space.dims if dim not in arrays.indexes]
     arrays = arrays.assign_coords({dim: np.arange(arrays.sizes[dim]) for dim in unlabelled})
 
-    like = template(vehicle.layout(), how["method"], how["weighting"])
+    like = template(vehicle.layout(), how["method"], how["weighting"], vehicle.curved)
     chunks = tuple(arrays.chunksizes.get(dim, (arrays.sizes[dim],)) for dim in space.dims)
     blocks = {
         name: dask.array.empty((*space.shape, *data.shape), chunks=(*chunks, *data.shape))

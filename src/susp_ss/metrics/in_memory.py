@@ -9,11 +9,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ..quantities import SHIFT
+from ..responses.covariance.linearisation import linearise
 from ..responses.covariance.routes import covariance_variances
 from ..responses.excitation import spanned
 from ..responses.filters import Filter
-from ..responses.labels import labelled_outputs
-from ..responses.simulation import time_variances
+from ..responses.labels import labelled_outputs, shifted
+from ..responses.simulation import Moments, time_moments
 from ..responses.spectral import spectral_variances
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
@@ -24,6 +26,12 @@ from .weightings import rows_behind, say_weightings
 METHODS = ("covariance", "spectral", "time")
 
 Array = NDArray[np.float64]
+
+LINEARISED = (
+    "springs and dampers with curves are statistically linearised: the linear ones that come closest in the mean "
+    "square stand in their place, about the mean deflection ride_height_shift"
+)
+"""What metrics of curved springs and dampers are: the comment of the Dataset."""
 
 INFINITE = (
     "infinite where a damper passes the road's vertical velocity straight on (tyre damping, or a rigid tyre): up to "
@@ -37,51 +45,59 @@ def metrics_in_memory(
 ) -> xr.Dataset:
     """Metrics of a vehicle in memory, part of a sweep of so many designs; ``record`` is for time histories."""
     space, flat, road = spanned(vehicle, road)
+    layout = vehicle.layout()
+    straight = linearise(flat, space, road, designs) if flat.curved and method != "time" else None
+    car = flat if straight is None else straight.vehicle
 
-    def moments(road: Road) -> tuple[Array, Array | None]:
+    def moments(road: Road) -> Moments:
         if method == "time":
-            return time_variances(flat, space, road, **record)
+            return time_moments(flat, space, road, **record)
         if method == "spectral":
-            return spectral_variances(flat, space, road), None
-        return covariance_variances(flat, space, road, designs), None
+            return Moments(spectral_variances(car, space, road))
+        return Moments(covariance_variances(car, space, road, designs))
 
-    layout, (variances, errors) = vehicle.layout(), moments(road)
-    rates, damping = layout.rates, flat.damping()
-    powers = damping * variances[:, rates], None if errors is None else damping * errors[:, rates]
+    if straight is None:
+        found = moments(road)
+    else:
+        found = (moments(road) if method == "spectral" else Moments(straight.variances))._replace(shift=straight.shift)
+    if found.power is None:
+        found = found._replace(power=car.damping() * found.variances[:, layout.rates])
     for one, rows in rows_behind(weighting, layout.outputs).items():
-        through, their_errors = moments(road.weighted(one))
-        variances[:, rows] = through[:, rows]
-        if errors is not None and their_errors is not None:
-            errors[:, rows] = their_errors[:, rows]
-    return _labelled(layout, space, variances, errors, powers, weighting)
+        through = moments(road.weighted(one))
+        found.variances[:, rows] = through.variances[:, rows]
+        if found.errors is not None and through.errors is not None:
+            found.errors[:, rows] = through.errors[:, rows]
+    return _labelled(layout, space, found, weighting)
 
 
-def template(layout: Layout, method: str, weighting: Mapping[str, Filter]) -> xr.Dataset:
+def template(layout: Layout, method: str, weighting: Mapping[str, Filter], curved: bool) -> xr.Dataset:
     """Metrics of one design as `metrics_in_memory` returns them, without their values."""
     nothing, power = np.zeros((1, len(layout.outputs))), np.zeros((1, len(layout.corners) if layout.dampers else 0))
-    timed = method == "time"
-    errors, powers = nothing if timed else None, (power, power if timed else None)
-    return _labelled(layout, DesignSpace.over((), ""), nothing, errors, powers, weighting)
+    shift, errors = (power if curved else None), (nothing, power, power if curved else None)
+    like = Moments(nothing, None, power, None, shift)
+    if method == "time":
+        like = Moments(nothing, errors[0], power, errors[1], shift, errors[2])
+    return _labelled(layout, DesignSpace.over((), ""), like, weighting)
 
 
-def _labelled(
-    layout: Layout,
-    space: DesignSpace,
-    variances: Array,
-    errors: Array | None,
-    powers: tuple[Array, Array | None],
-    weighting: Mapping[str, Filter],
-) -> xr.Dataset:
+def _labelled(layout: Layout, space: DesignSpace, found: Moments, weighting: Mapping[str, Filter]) -> xr.Dataset:
     """Root mean squares of variances (designs, outputs), which they replace, and damper powers, with their errors."""
-    power, of_power = powers
+    variances, errors = found.variances, found.errors
     roots = np.sqrt(variances, out=variances)
-    metrics = labelled_outputs(layout, roots, power, space, long_name="{statistic} {meaning}")
+    metrics = labelled_outputs(layout, roots, found.power, space, long_name="{statistic} {meaning}")
     if "dtl" in metrics:
         metrics.dtl.attrs["comment"] = INFINITE
     say_weightings(metrics, weighting)
-    if errors is None or of_power is None:
+    if found.shift is not None:
+        metrics[SHIFT.name] = shifted(layout, space, found.shift, "{statistic} {meaning}")
+        if errors is None:
+            metrics.attrs["comment"] = LINEARISED
+    if errors is None:
         return metrics
     with np.errstate(divide="ignore", invalid="ignore"):
         of_roots = np.where(errors > 0.0, errors / (2.0 * roots), 0.0)
-    stderr = labelled_outputs(layout, of_roots, of_power, space, long_name="standard error of {meaning}")
+    error_of = "standard error of {meaning}"
+    stderr = labelled_outputs(layout, of_roots, found.power_errors, space, long_name=error_of)
+    if found.shift_errors is not None:
+        stderr[SHIFT.name] = shifted(layout, space, found.shift_errors, error_of)
     return metrics.assign({f"{name}_stderr": data for name, data in stderr.items()})

@@ -15,7 +15,8 @@ from ..responses.labels import dim_of
 from ..responses.settings import settable
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
-from ..vehicles.parameters import Corners
+from ..vehicles.curves import Curve, rate_of, rated
+from ..vehicles.vehicle import joined
 from .ride import ride_metrics
 
 Array = NDArray[np.float64]
@@ -36,7 +37,8 @@ class Response:
         The point or corner, where the criterion has several.
     inputs : sequence of str
         What the columns of X set, in SI units: fields of the vehicle; of a field that a corner may have for itself,
-        ``"ks"`` at all corners or ``"ks_fr"`` at one; and ``"speed"``, ``"roughness"`` or ``"cutoff"`` of the road.
+        ``"ks"`` at all corners or ``"ks_fr"`` at one (of a curve the rate for small motion); and ``"speed"``,
+        ``"roughness"`` or ``"cutoff"`` of the road.
     parameter : str, optional
         One more of these, that a second argument sets: ``response(X, value)``, for `ParameterBased`.
 
@@ -111,7 +113,7 @@ class Response:
         field, wheel, _ = settable(self.vehicle)[name]
         if field in ROAD:
             return getattr(self.road, field)
-        return getattr(self.vehicle, field) if wheel is None else self._at_wheels(field)[wheel]
+        return rate_of(getattr(self.vehicle, field) if wheel is None else self._at_wheels(field)[wheel])
 
     def _at_wheels(self, field: str) -> dict[str, Any]:
         return dict(zip(self.vehicle.wheels, self.vehicle.at_wheels(field), strict=True))
@@ -156,13 +158,16 @@ class Response:
         known, fields = settable(self.vehicle), dict[str, Any]()
         for name, column in settings.items():
             field, wheel, _ = known[name]
-            if wheel is None:
-                fields[field] = column
+            own = self._at_wheels(field)
+            if wheel is not None:
+                fields.setdefault(field, own)[wheel] = rated(own[wheel], column)
+            elif any(isinstance(value, Curve) for value in own.values()):
+                fields[field] = {at: rated(value, column) for at, value in own.items()}
             else:
-                fields.setdefault(field, self._at_wheels(field))[wheel] = column
+                fields[field] = column
         for field, values in fields.items():
             if isinstance(values, dict):
-                fields[field] = Corners(**values) if len(values) == 4 else tuple(values.values())
+                fields[field] = joined(values)
         vehicle = dataclasses.replace(self.vehicle, **fields) if fields else self.vehicle
         metric = ride_metrics(vehicle, road)[self.criterion]
         return np.broadcast_to((metric if self.at is None else metric.sel({metric.dims[-1]: self.at})).to_numpy(), n)

@@ -9,11 +9,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..quantities import briefly
+from ..quantities import SHIFT, briefly
+from ..responses.covariance.implicit import Following, as_settings, curved_rates, followed
+from ..responses.covariance.linearisation import linearise
 from ..responses.covariance.routes import covariance_variances
 from ..responses.covariance.tangents import Tangents, variance_tangents
 from ..responses.excitation import check_kinds, spanned
-from ..responses.labels import labelled_outputs
+from ..responses.labels import labelled_outputs, shifted
 from ..responses.settings import Setting, settable
 from ..roads.road import Road
 from ..vehicles.vehicle import Vehicle
@@ -46,8 +48,9 @@ def sensitivity(
     road : Road
     parameters : sequence of str
         Fields of the vehicle; of a field that a corner may have for itself, ``"ks"`` is a common change at all
-        corners and ``"ks_fr"`` a change at one. And ``"speed"``, ``"roughness"`` or (if there is one) ``"cutoff"`` of
-        the road.
+        corners and ``"ks_fr"`` a change at one; of a curve its rate for small motion, which scales a `DamperCurve` and
+        exchanges the main spring of a `SpringCurve`. And ``"speed"``, ``"roughness"`` or (if there is one)
+        ``"cutoff"`` of the road.
     weighting, points
         As in `ride_metrics`.
 
@@ -101,25 +104,37 @@ def sensitivity(
     for name in ("parameter", "unit"):
         if name in space.coords or name in space.dims:
             raise ValueError(f"{type(vehicle).__name__} has a dim or coordinate named {name!r}, which results use")
-    table, rms, power = vehicle.layout().outputs, [], []
+    table, rms, power, shifts = vehicle.layout().outputs, [], [], []
     rates, behind = table.of("sws_rate"), rows_behind(weighted, table)
-    variances = covariance_variances(flat, space, ground)
-    through = {one: covariance_variances(flat, space, ground.weighted(one)) for one in behind}
+    straight = linearise(flat, space, ground) if flat.curved else None
+    car = flat if straight is None else straight.vehicle
+    variances = covariance_variances(car, space, ground) if straight is None else straight.variances
+    through = {one: covariance_variances(car, space, ground.weighted(one)) for one in behind}
+    along = [*settings.values(), *(as_settings(flat, curved_rates(flat)) if flat.curved else ())]
 
-    def slopes(road: Road, variances: NDArray[np.float64], batch: slice) -> tuple[Tangents, NDArray[np.float64]]:
-        """Tangents of some designs, and derivatives (P, N, outputs) of the root mean squares."""
-        here = variances[batch]
-        tangents = variance_tangents(flat.select(batch), road.select(batch), list(settings.values()), here)
-        roots = 2.0 * np.sqrt(here)
+    def tangents_of(road: Road, variances: NDArray[np.float64], batch: slice) -> Tangents:
+        return variance_tangents(car.select(batch), road.select(batch), along, variances[batch])
+
+    def slopes(tangents: Tangents, variances: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Derivatives (P, N, outputs) of the root mean squares of some designs."""
+        roots = 2.0 * np.sqrt(variances)
         by_root = np.divide(tangents.variances, roots, out=np.zeros_like(tangents.variances), where=roots > 0.0)
-        return tangents, np.where(tangents.kinked, np.nan, by_root)
+        return np.where(tangents.kinked, np.nan, by_root)
 
     for start in range(0, space.size, BATCH):
         batch = slice(start, start + BATCH)
-        tangents, values = slopes(ground, variances, batch)
+        tangents = tangents_of(ground, variances, batch)
+        follow = None
+        if straight is not None:
+            some = flat.select(batch), straight.select(batch)
+            follow = Following(*some, list(settings.values()), tangents.variances)
+            shifts.append(follow.shift)
+            tangents = followed(tangents, follow)
+        values = slopes(tangents, variances[batch])
         for one, their_variances in through.items():
-            _, theirs = slopes(ground.weighted(one), their_variances, batch)
-            values[..., behind[one]] = theirs[..., behind[one]]
+            theirs = tangents_of(ground.weighted(one), their_variances, batch)
+            theirs = theirs if follow is None else followed(theirs, follow)
+            values[..., behind[one]] = slopes(theirs, their_variances[batch])[..., behind[one]]
         rms.append(values)
         with np.errstate(invalid="ignore"):
             change = tangents.damping.tangent * variances[batch, rates]
@@ -130,6 +145,8 @@ def sensitivity(
     coords = {"parameter": list(settings), "unit": ("parameter", units)}
     long_name = "derivative of {statistic} {meaning} by each parameter"
     slope = labelled_outputs(vehicle.layout(), values, powers, space, ("parameter",), coords, long_name)
+    if shifts:
+        slope[SHIFT.name] = shifted(vehicle.layout(), space, np.concatenate(shifts), long_name, ("parameter",))
     say_weightings(slope, weighted)
     return slope.transpose(*space.dims, "parameter", ...)
 

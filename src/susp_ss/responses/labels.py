@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..quantities import Quantity
+from ..quantities import SHIFT, Quantity
 from ..vehicles.parameters import DesignSpace
 from ..vehicles.second_order import Layout
 
@@ -51,6 +51,16 @@ def labelled_outputs(
     labelled = _empty(layout, space.dims, space.shape, dims, values.shape[2:], long_name).copy(data=arrays)
     more = {**space.coords, **(coords or {})}
     return labelled.assign_coords(more) if more else labelled
+
+
+def shifted(
+    layout: Layout, space: DesignSpace, values: NDArray[np.float64], long_name: str, dims: tuple[str, ...] = ()
+) -> xr.DataArray:
+    """Mean deflections (designs, corners, ...) with their labels, and trailing axes ``dims``."""
+    dim = dim_of(SHIFT, layout.corners)
+    long_name = long_name.format(statistic=SHIFT.statistic, meaning=SHIFT.meaning)
+    shaped = space.unflatten(values if dim else values[:, 0], (*dim, *dims), {d: list(layout.corners) for d in dim})
+    return shaped.assign_attrs(units=SHIFT.unit, long_name=long_name)
 
 
 @lru_cache(maxsize=64)

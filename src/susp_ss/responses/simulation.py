@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,11 +17,18 @@ from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import DesignSpace
 from .excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
 from .labels import labelled_outputs
+from .stepping import History, Stepper
 
 Array = NDArray[np.float64]
 
 # Steps times the fastest swing: heights taken as linear over a step weaken that swing by its square over 12.
 RESOLVED = 0.15
+
+# Times the slowest mode's decay time until the start is forgotten.
+FORGET = 8.0
+
+# Parts of a record with curves, each as many times the time to forget, are driven side by side.
+PARTS = 1.0
 
 # A mode whose imaginary part is a smaller share of its modulus creeps.
 SWINGING = 1e-6
@@ -82,12 +89,18 @@ def simulate(
     True
     """
     check_kinds(vehicle)
-    model = vehicle.single("simulate()")
     t = _checked_time(time)
     z = _checked_profile(profile, tuple(vehicle.wheels), len(t))
-    y = _outputs(model, z, t, _checked_inputs(inputs, model.layout.controls, type(vehicle).__name__, len(t)))
-    power = model.damping[:, None] * y[model.layout.rates] ** 2
-    history = labelled_outputs(model.layout, y[None], power[None], vehicle.design_space(), ("time",), {"time": t})
+    layout = vehicle.layout()
+    given = _checked_inputs(inputs, layout.controls, type(vehicle).__name__, len(t))
+    if vehicle.curved:
+        y, damping = _stepped(vehicle, z, t)
+    else:
+        model = vehicle.single("simulate()")
+        y = _outputs(model, z, t, given)
+        damping = model.damping[:, None] * y[layout.rates]
+    power = damping * y[layout.rates]
+    history = labelled_outputs(layout, y[None], power[None], vehicle.design_space(), ("time",), {"time": t})
     history.time.attrs["units"] = "s"
     return history
 
@@ -110,10 +123,37 @@ def _outputs(model: Model, z: Array, t: Array, controls: Array | None = None) ->
     return y + D1 @ np.gradient(z, t[1] - t[0], axis=1) if np.any(D1) else y
 
 
-def time_variances(
-    flat: RoadVehicle, space: DesignSpace, road: Road, duration: float, step: float, seed: int
-) -> tuple[Array, Array]:
-    """Mean squares (designs, outputs) over a synthesised record, and their standard errors.
+def _stepped(vehicle: Any, z: Array, t: Array) -> History:
+    """The same of a vehicle with curves, in as many steps a sample as its fastest swing needs."""
+    vehicle.middling().single("simulate()")
+    step = t[1] - t[0]
+    parts = int(np.ceil(step * _fastest(vehicle.steepest()) / RESOLVED))
+    finer = np.linspace(t[0], t[-1], parts * (len(t) - 1) + 1)
+    heights = np.stack([np.interp(finer, t, row) for row in z])
+    stepper = Stepper(vehicle, step / parts)
+    y, damping = stepper.drive(heights, stepper.rest(z[:, 0]))
+    return History(y[:, ::parts], damping[:, ::parts])
+
+
+def _fastest(vehicle: RoadVehicle) -> float:
+    """The modulus in rad/s of the fastest eigenvalue that swings."""
+    eigenvalues = np.linalg.eigvals(vehicle.assemble().A)
+    return float(np.abs(eigenvalues[np.abs(eigenvalues.imag) > SWINGING * np.abs(eigenvalues)]).max(initial=0.0))
+
+
+class Moments(NamedTuple):
+    """Variances (designs, outputs), damper powers and mean deflections (designs, corners), each with its error."""
+
+    variances: Array
+    errors: Array | None = None
+    power: Any = None
+    power_errors: Any = None
+    shift: Array | None = None
+    shift_errors: Array | None = None
+
+
+def time_moments(flat: RoadVehicle, space: DesignSpace, road: Road, duration: float, step: float, seed: int) -> Moments:
+    """Mean squares (designs, outputs) over a synthesised record, and what else results need, with standard errors.
 
     The record is periodic and starts after the vehicle has forgotten its initial state, so that the mean square is the
     sum of the powers of its harmonics, independent with variance equal to their square: the error follows from the
@@ -128,23 +168,22 @@ def time_variances(
         raise ValueError(f"duration must be at least 100 steps of {step} s, got {duration} s")
     seed = whole_number("seed", seed, 0)
     designs = tracked(range(space.size), "simulating", space.size > 1)
-    pairs = [_mean_squares(flat.select(slice(i, i + 1)), road.one(i), duration, step, seed) for i in designs]
-    squares, errors = zip(*pairs, strict=True)
-    return np.stack(squares), np.stack(errors)
+    found = [_moments(flat.select(slice(i, i + 1)), road.one(i), duration, step, seed) for i in designs]
+    return Moments._make(None if part[0] is None else np.stack(part) for part in zip(*found, strict=True))
 
 
-def _mean_squares(vehicle: RoadVehicle, road: Road, duration: float, step: float, seed: int) -> tuple[Array, Array]:
-    model = vehicle.assemble()
+def _moments(vehicle: Any, road: Road, duration: float, step: float, seed: int) -> Moments:
+    curved = vehicle.curved
+    model = (vehicle.middling() if curved else vehicle).assemble()
     check_stationary(vehicle, road, model)
     excited = processes(vehicle, road)
     tau = float(delay(vehicle, road)) if any(process.later.any() for process in excited) else 0.0
     eigenvalues = np.linalg.eigvals(model.A)
-    swinging = np.abs(eigenvalues[np.abs(eigenvalues.imag) > SWINGING * np.abs(eigenvalues)])
-    step = min(step, RESOLVED / swinging.max(initial=RESOLVED / step))
+    step = min(step, RESOLVED / max(_fastest(vehicle.steepest() if curved else vehicle), RESOLVED / step))
     if tau:
         step = tau / np.ceil(tau / step)
     fading = eigenvalues if road.weighting is None else np.concatenate([eigenvalues, road.weighting.poles])
-    forget = 8.0 / np.abs(fading.real).min()
+    forget = FORGET / np.abs(fading.real).min()
     if (duration + forget) / step > MOST_STEPS:
         raise ValueError(
             f"{type(vehicle).__name__} needs {(duration + forget) / step:.2g} time steps, {forget:.3g} s of them to "
@@ -160,20 +199,58 @@ def _mean_squares(vehicle: RoadVehicle, road: Road, duration: float, step: float
         seed=seed,
     )
     z *= np.any([process.now + process.later != 0.0 for process in excited], axis=0)[:, None]
-    period = z.shape[1]
-    lead = int(np.ceil(forget / step))
-    z = np.take(z, np.arange(-lead, period), axis=1, mode="wrap")
-    y = _outputs(model, z, step * np.arange(lead + period))
+    period, lead = z.shape[1], int(np.ceil(forget / step))
+    if curved:
+        y, damping = _side_by_side(Stepper(vehicle, step), z, lead)
+    else:
+        z = np.take(z, np.arange(-lead, period), axis=1, mode="wrap")
+        y = _outputs(model, z, step * np.arange(lead + period))
+        damping = model.damping.reshape(-1, 1) * y[model.layout.rates]
+    force, rate = damping[:, -period:], y[model.layout.rates, -period:]
     if road.weighting is not None:
         y = road.weighting.filtered(y, step)
-    y = y[:, lead:]
 
-    power = 2.0 * np.abs(np.fft.rfft(y, axis=1) / period) ** 2
-    power[:, 0] *= 0.5
-    power[:, -1] *= 0.5
-    squares, errors = power.sum(axis=1), np.sqrt(0.5 * (power**2).sum(axis=1))
+    squares, errors = _mean_product(y[:, -period:], y[:, -period:], curved)
     squares[infinite_outputs(model, excited, road).reshape(-1)] = np.inf
-    return squares, errors
+    power = _mean_product(force, rate)
+    power[0][np.isinf(squares[model.layout.rates])] = np.inf
+    if not curved:
+        return Moments(squares, errors, *power)
+    travel = y[model.layout.outputs.of("sws"), -period:]
+    return Moments(squares, errors, *power, travel.mean(axis=1), _error_of_mean(travel, lead))
+
+
+def _side_by_side(stepper: Stepper, z: Array, lead: int) -> History:
+    """A lead and a period of heights (inputs, T), in parts that each forget their own start on what lies before."""
+    period = z.shape[1]
+    length = int(min(period, PARTS * lead))
+    parts = -(-period // length)
+    at = np.arange(-lead, length)[:, None] + length * np.arange(parts)
+    heights = np.take(z, at, axis=1, mode="wrap")
+    start = -np.linalg.solve(stepper.A, stepper.B @ heights[:, 0])
+
+    def joined(history: Array) -> Array:
+        whole = np.moveaxis(history[:, lead:], 2, 1).reshape(len(history), -1)[:, :period]
+        return np.concatenate([whole[:, -lead:], whole], axis=1)
+
+    return History(*map(joined, stepper.drive(heights, start)))
+
+
+def _error_of_mean(x: Array, length: int) -> Array:
+    """Standard error of the means of histories (rows, T) whose parts of such a length know nothing of one another."""
+    parts = max(x.shape[1] // length, 2)
+    means = np.stack([part.mean(axis=1) for part in np.array_split(x, parts, axis=1)])
+    return np.asarray(means.std(axis=0, ddof=1) / np.sqrt(parts))
+
+
+def _mean_product(x: Array, y: Array, about_mean: bool = False) -> tuple[Array, Array]:
+    """Means of products of histories (rows, T) of a period, and their standard errors, by the powers of harmonics."""
+    period = x.shape[1]
+    of_x, of_y = (np.fft.rfft(part, axis=1) / period for part in (x, y))
+    power = 2.0 * np.real(of_x * np.conj(of_y))
+    power[:, 0] *= 0.0 if about_mean else 0.5
+    power[:, -1] *= 0.5
+    return power.sum(axis=1), np.sqrt(0.5 * (power**2).sum(axis=1))
 
 
 def _checked_time(time: ArrayLike) -> Array:

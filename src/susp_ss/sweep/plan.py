@@ -20,6 +20,7 @@ from ..quantities import ROAD, briefly, signal
 from ..responses.excitation import check_kinds
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
+from ..vehicles.curves import Curve
 from ..vehicles.files import entry, model_name
 from ..vehicles.vehicle import Vehicle
 
@@ -96,7 +97,7 @@ def plan(
     for name, given, known in (("method", method, tuple(MOST_DESIGNS)), ("dtype", dtype, DTYPES)):
         if given not in known:
             raise ValueError(f"{name} of a sweep must be one of {', '.join(known)}, got {briefly(given)}")
-    like = template(vehicle.layout(), method, {})
+    like = template(vehicle.layout(), method, {}, vehicle.curved)
     chosen = tuple(map(str, like.data_vars)) if outputs is None else _checked(outputs, like)
     frame, ground, arrays = taken_apart(*_along(vehicle, road, axes))
     chunk = chunks({name: arrays.sizes[name] for name in axes}, MOST_DESIGNS[method])
@@ -143,7 +144,8 @@ def _along(vehicle: Vehicle, road: Road, axes: Mapping[str, ArrayLike]) -> tuple
     if not axes:
         raise ValueError(f"axes must name at least one parameter, available: {', '.join(quantities)}")
     for name in vehicle.quantities():
-        if not all(leaf is None or isinstance(leaf, float) for leaf in vehicle.at_wheels(name)):
+        own = [x.leaves() if isinstance(x, Curve) else [x] for x in vehicle.at_wheels(name)]
+        if not all(leaf is None or isinstance(leaf, float) for leaves in own for leaf in leaves):
             raise ValueError(
                 f"{type(vehicle).__name__}({name}=...) of a sweep must be a number, or an axis; got an array"
             )
@@ -201,7 +203,8 @@ def _asked(
     chunk: Mapping[str, int],
 ) -> dict[str, str]:
     """Everything that decides the numbers of a store, as text by name."""
-    fixed = [name for name in vehicle.quantities() if name not in axes and getattr(vehicle, name) is not None]
+    own = {name: getattr(vehicle, name) for name in vehicle.quantities()}
+    fixed = [name for name, x in own.items() if isinstance(x, Curve) or (name not in axes and x is not None)]
     grid = {name: np.asarray(values, dtype=float) for name, values in axes.items()}
     return {
         "susp_ss": __version__,

@@ -18,5 +18,12 @@ for _place in MODELS.values():
     CLASSES.setdefault(_module, []).append(_class)
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
-    __name__, submod_attrs=CLASSES | {"linear": ["LinearVehicle"], "parameters": ["Corners"], "vehicle": ["Vehicle"]}
+    __name__,
+    submod_attrs=CLASSES
+    | {
+        "linear": ["LinearVehicle"],
+        "parameters": ["Corners"],
+        "curves": ["DamperCurve", "SpringCurve"],
+        "vehicle": ["Vehicle"],
+    },
 )

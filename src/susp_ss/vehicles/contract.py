@@ -120,6 +120,10 @@ class RoadVehicle(ABC):
     def moving(self, speed: Any) -> RoadVehicle:
         """The vehicle on a road that passes at this speed, in m/s: itself, where only the road depends on that."""
         return self
+    @property
+    def curved(self) -> bool:
+        """Whether a curve stands for some spring or damper, so that it is linear on one road at a time only."""
+        return False
 
     @abstractmethod
     def with_points(self, points: Mapping[str, tuple[float, float]]) -> RoadVehicle:

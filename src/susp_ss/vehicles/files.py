@@ -24,6 +24,8 @@ from typing import Any
 from ..quantities import briefly, units_of
 from ..units import Stated, factor_of, implausible
 from . import MODELS
+from .curve_files import KINDS, curve_entry, curve_of, is_curve, toml
+from .curves import Curve
 from .parameters import Corners
 from .vehicle import Vehicle
 
@@ -93,7 +95,9 @@ def read_vehicle(path: str | PathLike[str], trust_units: bool = False) -> Vehicl
     path : path
         A TOML file: ``model``, and the table ``parameters`` with ``{ value = ..., unit = "..." }`` for each field, or
         one value a corner in place of ``value`` (fr, fl, rr, rl; f, r; or r, l). Fields left out keep their
-        defaults. `susp_ss.quantities.UNITS` lists the units.
+        defaults. `susp_ss.quantities.UNITS` lists the units. In place of a value, ``cs`` and ``ks`` may have a curve:
+        ``{ csv = "damper.csv" }``, ``{ bump = 800, rebound = 2400, unit = "N s/m" }`` and others
+        (`susp_ss.vehicles.curve_files`).
     trust_units : bool
         Take values that are far from any road vehicle's, which a mistaken unit would give.
 
@@ -120,7 +124,7 @@ def read_vehicle(path: str | PathLike[str], trust_units: bool = False) -> Vehicl
     """
     table = _toml(Path(path))
     try:
-        return vehicle_of(table, trust_units)
+        return vehicle_of(table, trust_units, Path(path).parent)
     except (ValueError, TypeError) as error:
         # In a file a parameter is known by its name alone.
         said = re.sub(r"\w+\((\w+)=[.]{3}\)", r"\1", str(error))
@@ -166,10 +170,8 @@ def vehicle_text(vehicle: Vehicle) -> str:
         said = ", ".join(word for word in (quantity.meaning, quantity.bound) if word)
         if getattr(vehicle, name) is None:
             lines.append(f'# {name} = {{ value = ..., unit = "{quantity.unit}" }}  # {said}; none')
-            continue
-        # Numbers and plain names read the same in TOML as in Python, but for the quotes.
-        parts = ", ".join(f"{key} = {part!r}" for key, part in entry(vehicle, name).items()).replace("'", '"')
-        lines.append(f"{name} = {{ {parts} }}  # {said}")
+        else:
+            lines.append(f"{name} = {toml(entry(vehicle, name))}  # {said}")
     return "\n".join(lines)
 
 
@@ -189,12 +191,15 @@ def vehicle_table(vehicle: Vehicle) -> dict[str, Any]:
     }
 
 
-def entry(vehicle: Vehicle, name: str) -> dict[str, float | str]:
-    """One parameter as a vehicle file holds it: its value, or its value at each wheel, and its unit."""
+def entry(vehicle: Vehicle, name: str) -> dict[str, Any]:
+    """One parameter as a vehicle file holds it: its value, or its value at each wheel, and its unit, or its curve."""
     value = getattr(vehicle, name)
+    if isinstance(value, Curve):
+        return curve_entry(value)
     at_wheels = isinstance(value, (Corners, tuple))
     parts = dict(zip(vehicle.wheels, value, strict=True)) if at_wheels else {"value": value}
-    if not all(isinstance(part, float) for part in parts.values()):
+    parts = {key: curve_entry(part) if isinstance(part, Curve) else part for key, part in parts.items()}
+    if not all(isinstance(part, (float, dict)) for part in parts.values()):
         raise ValueError(f"a vehicle file needs one number for every parameter, got an array for {name}")
     return {**parts, "unit": vehicle.quantities()[name].unit}
 
@@ -224,8 +229,11 @@ def _toml(path: Path) -> dict[str, Any]:
         raise ValueError(f"{path}: not TOML: {error}{hint}") from None
 
 
-def vehicle_of(table: dict[str, Any], trust_units: bool = False) -> Vehicle:
-    """Make the vehicle of a table laid out as in a vehicle file, or say in a ValueError what is wrong with it."""
+def vehicle_of(table: dict[str, Any], trust_units: bool = False, folder: Path = Path()) -> Vehicle:
+    """Make the vehicle of a table laid out as in a vehicle file, or say in a ValueError what is wrong with it.
+
+    Tables that it names are sought in the folder.
+    """
     _refuse_unknown("key", table, ("model", "parameters"), "")
     if "model" not in table:
         raise ValueError(f'model is missing; write model = "full", or one of {", ".join(MODELS)}')
@@ -234,10 +242,10 @@ def vehicle_of(table: dict[str, Any], trust_units: bool = False) -> Vehicle:
     if not isinstance(parameters, dict):
         raise ValueError(f"parameters must be a table, [parameters], got {briefly(parameters)}")
     _refuse_unknown("parameter", parameters, tuple(car.quantities()), f" of the model {table['model']!r}")
-    return car(**{name: _value(car, name, entry, trust_units) for name, entry in parameters.items()})
+    return car(**{name: _value(car, name, entry, trust_units, folder) for name, entry in parameters.items()})
 
 
-def _value(car: type[Vehicle], name: str, entry: Any, trust_units: bool) -> Any:
+def _value(car: type[Vehicle], name: str, entry: Any, trust_units: bool, folder: Path) -> Any:
     quantity = car.quantities()[name]
     own, units = quantity.unit, units_of(quantity.unit)
     wheels = tuple(car.wheels) if name in car.per_corner else ()
@@ -245,15 +253,21 @@ def _value(car: type[Vehicle], name: str, entry: Any, trust_units: bool) -> Any:
         raise ValueError(
             f'{name} must state its unit, {name} = {{ value = ..., unit = "{own}" }}, got {briefly(entry)}'
         )
+    if is_curve(name, entry):
+        return curve_of(name, name, entry, folder)
     _refuse_unknown("key", entry, ("value", *wheels, "unit"), f" of {name}")
+    if name in KINDS and all(isinstance(entry.get(wheel), dict) for wheel in wheels or ("value",)):
+        entry = {**entry, "unit": entry.get("unit", own)}
     unit = entry.get("unit")
     factor = factor_of(unit, quantity) if isinstance(unit, str) else None
     if not isinstance(unit, str) or factor is None:
         got = f", got {briefly(unit)}" if "unit" in entry else ", got none"
         raise ValueError(f"{name}.unit must be one of {', '.join(units)}{got}")
 
-    def number(key: str) -> float:
+    def number(key: str) -> Any:
         where = f"{name}.{key}"
+        if name in KINDS and isinstance(entry[key], dict):
+            return curve_of(name, where, entry[key], folder)
         value = _number(where, entry[key])
         far = "" if trust_units else implausible(Stated(value, unit), quantity)
         if far:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -173,6 +173,10 @@ class DesignSpace:
         place = zip(self.dims, np.unravel_index(design, self.shape), strict=True)
         return f" at ({', '.join(f'{dim}={i}' for dim, i in place)})" if self.dims else ""
 
+    def some(self, designs: NDArray[np.int_]) -> SomeDesigns:
+        """Some of the designs, as far as one has to know how many and where they lie."""
+        return SomeDesigns(self, designs)
+
     def flat(self, value: Any) -> float | NDArray[np.float64]:
         """One number, or one for each design."""
         if isinstance(value, float):
@@ -192,3 +196,18 @@ class DesignSpace:
         """Give results of shape (designs, ...) their labels."""
         shaped = values.reshape((*self.shape, *values.shape[1:]))
         return xr.DataArray(shaped, dims=(*self.dims, *dims), coords={**self.coords, **(coords or {})})
+
+
+class SomeDesigns(NamedTuple):
+    """Some designs of a space."""
+
+    space: DesignSpace
+    designs: NDArray[np.int_]
+
+    @property
+    def size(self) -> int:
+        return len(self.designs)
+
+    def place(self, design: int) -> str:
+        """Where one of them lies in the whole space."""
+        return self.space.place(int(self.designs[design]))

@@ -104,6 +104,14 @@ class RideHandlingCar(FullCar):
     trail: Any = 0.03
     speed: Any = dataclasses.field(default=20.0, metadata={"quantity": ROAD["speed"]})
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.curved:
+            raise TypeError(
+                f"{type(self).__name__} takes numbers for ks and cs, got a curve; pass what ss.linearised(FullCar(...), "
+                "road) makes of it"
+            )
+
     per_corner = (*FullCar.per_corner, "cornering", "relaxation", "slip", "wheel_inertia")
 
     def linkage(self) -> Linkage:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..quantities import PARAMETERS, STEERED, Quantity, signal
 from .contract import RoadVehicle
+from .curves import Curve, check_place, rated
 from .decoupled import OnStruts, halves, whole
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
@@ -83,6 +85,8 @@ class Vehicle(RoadVehicle):
     def replaced(self, **values: Any) -> Self:
         """The same vehicle with other values by the names of `settings`; where two names set one wheel, the narrower.
 
+        A number for a curve is its rate for small motion.
+
         Raises
         ------
         ValueError
@@ -102,21 +106,24 @@ class Vehicle(RoadVehicle):
             field, wheels = known[name]
             own = dict(zip(self.wheels, self.at_wheels(field), strict=True))
             self._refuse_to_flatten(name, {wheel: own[wheel] for wheel in wheels})
-            at_wheels.setdefault(field, own).update(dict.fromkeys(wheels, values[name]))
+            there = {wheel: rated(own[wheel], values[name]) for wheel in wheels}
+            at_wheels.setdefault(field, own).update(there)
         named = [known[name][0] for name in values]
-        everywhere = {name: value for name, value in values.items() if named.count(name) == 1}
-        return dataclasses.replace(self, **{field: _joined(at) for field, at in at_wheels.items()} | everywhere)
+        everywhere = {
+            name: rated(self.at_wheels(name)[0], value) for name, value in values.items() if named.count(name) == 1
+        }
+        return dataclasses.replace(self, **{field: joined(at) for field, at in at_wheels.items()} | everywhere)
 
     def _refuse_to_flatten(self, name: str, own: dict[str, Any]) -> None:
         first, *others = own.values()
-        if all(other is first or np.array_equal(other, first) for other in others):
+        if all(_equal(other, first) for other in others):
             return
         field, _ = self.settings()[name]
         values = dict(zip(self.wheels, self.at_wheels(field), strict=True))
         narrower = [
             one
             for one, (of, at) in sorted(self.settings().items(), key=lambda item: -len(item[1][1]))
-            if of == field and len(at) < len(own) and all(np.array_equal(values[at[0]], values[w]) for w in at)
+            if of == field and len(at) < len(own) and all(_equal(values[at[0]], values[w]) for w in at)
         ]
         said = ", ".join(f"{wheel} {value:g}" for wheel, value in own.items() if isinstance(value, float))
         raise ValueError(
@@ -137,7 +144,7 @@ class Vehicle(RoadVehicle):
             )
         if isinstance(value, Corners) and name in self.per_corner and len(self.wheels) == 4:
             parts = zip(Corners.__dataclass_fields__, value, strict=True)
-            return Corners(**{corner: checked(part, f"{where} at corner {corner}", quantity) for corner, part in parts})
+            return Corners(**{corner: _passed(part, f"{where} at corner {corner}", quantity) for corner, part in parts})
         if isinstance(value, tuple) and name in self.per_corner:
             if len(self.wheels) != 2 or len(value) != 2:
                 raise ValueError(
@@ -145,17 +152,57 @@ class Vehicle(RoadVehicle):
                     + ("(first, second)" if len(self.wheels) == 2 else "Corners(fr=, fl=, rr=, rl=)")
                 )
             ends = zip(self.wheels, value, strict=True)
-            return tuple(checked(part, f"{where} at end {end}", quantity) for end, part in ends)
+            return tuple(_passed(part, f"{where} at end {end}", quantity) for end, part in ends)
         if isinstance(value, Corners):
             takes = "(first, second)" if name in self.per_corner else "one value"
             raise TypeError(f"{where} takes {takes}, got Corners")
-        return checked(value, where, quantity)
+        return _passed(value, where, quantity)
 
-    def leaves(self) -> list[Any]:
+    def values(self) -> list[Any]:
         """Every parameter value, those of the corners one by one."""
         values = [getattr(self, field.name) for field in dataclasses.fields(self)]
-        leaves = [leaf for x in values for leaf in (x if isinstance(x, (Corners, tuple)) else (x,))]
-        return [leaf for leaf in leaves if leaf is not None]
+        parts = [part for x in values for part in (x if isinstance(x, (Corners, tuple)) else (x,))]
+        return [part for part in parts if part is not None]
+
+    def leaves(self) -> list[Any]:
+        """Whatever spans designs: every parameter value, and what curves are made of."""
+        return [leaf for x in self.values() for leaf in (x.leaves() if isinstance(x, Curve) else (x,))]
+
+    @property
+    def curved(self) -> bool:
+        """Whether a curve stands for some spring or damper."""
+        return any(isinstance(x, Curve) for x in self.values())
+
+    def straightened(self, numbers: Mapping[str, Sequence[Any]]) -> Self:
+        """The same vehicle with numbers at each wheel for fields that have curves, unchecked."""
+        straight = copy.copy(self)
+        for name, at in numbers.items():
+            alike = all(number is at[0] for number in at)
+            object.__setattr__(straight, name, at[0] if alike else joined(dict(zip(self.wheels, at, strict=True))))
+        return straight
+
+    def middling(self) -> Self:
+        """The same with the rates that curves come to on a passable road, one number for curves that are alike."""
+        return self.straightened(self._rates(lambda curve: curve.means(curve.middling).slope))
+
+    def steepest(self) -> Self:
+        """The same with the largest rates of curves."""
+        return self.straightened(self._rates(lambda curve: curve.steepest))
+
+    def _rates(self, rate: Callable[[Curve], Any]) -> dict[str, list[Any]]:
+        known: list[tuple[Curve, Any]] = []
+
+        def number(value: Any) -> Any:
+            if not isinstance(value, Curve):
+                return value
+            found = next((number for curve, number in known if curve.alike(value)), None)
+            if found is None:
+                found = rate(value)
+                known.append((value, found))
+            return found
+
+        fields = [name for name in ("ks", "cs") if any(isinstance(x, Curve) for x in self.at_wheels(name))]
+        return {name: [number(value) for value in self.at_wheels(name)] for name in fields}
 
     def at_wheels(self, name: str) -> tuple[Any, ...]:
         """A parameter's value at each wheel, in the order of ``wheels``."""
@@ -191,16 +238,20 @@ class Vehicle(RoadVehicle):
         return self.mapped(lambda x: x[designs] if isinstance(x, np.ndarray) else x)
 
     def mapped(self, function: Any) -> Self:
-        """The same vehicle with a function applied to every parameter value, unchecked."""
+        """The same vehicle with a function applied to every parameter value, or a curve's, unchecked."""
+
+        def each(value: Any) -> Any:
+            return value.mapped(function) if isinstance(value, Curve) else function(value)
+
         values: dict[str, Any] = {}
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if isinstance(value, Corners):
-                values[field.name] = Corners(**{k: function(getattr(value, k)) for k in Corners.__dataclass_fields__})
+                values[field.name] = Corners(**{k: each(getattr(value, k)) for k in Corners.__dataclass_fields__})
             elif isinstance(value, tuple):
-                values[field.name] = tuple(function(part) for part in value)
+                values[field.name] = tuple(each(part) for part in value)
             else:
-                values[field.name] = None if value is None else function(value)
+                values[field.name] = None if value is None else each(value)
         mapped = object.__new__(type(self))
         for name, value in values.items():
             object.__setattr__(mapped, name, value)
@@ -238,11 +289,21 @@ class Vehicle(RoadVehicle):
 
     def assemble(self) -> Any:
         """The model, stacked over the designs of a flattened vehicle: second-order matrices of its linkage."""
-        return self.linkage().assemble()
+        return self._linear().assemble()
+
+    def _linear(self) -> Linkage:
+        """The linkage where numbers are needed, or say that there are curves."""
+        curves = dict.fromkeys(x.field for x in self.values() if isinstance(x, Curve))
+        if curves:
+            raise ValueError(
+                f"{type(self).__name__} has a curve for {', '.join(curves)} where a number is needed; pass "
+                "ss.linearised(vehicle, road), the linear vehicle that comes closest to it on a road"
+            )
+        return self.linkage()
 
     def damping(self) -> NDArray[np.float64]:
         """Damping rate at every corner of a flattened vehicle, (corners,) or (designs, corners)."""
-        return np.stack(np.broadcast_arrays(*(corner.cs for corner in self.linkage().corners.values()))).T
+        return np.stack(np.broadcast_arrays(*(corner.cs for corner in self._linear().corners.values()))).T
 
     def halves(self) -> tuple[OnStruts, ...]:
         """The mean of left and right, and half their difference, of a flattened vehicle.
@@ -250,11 +311,11 @@ class Vehicle(RoadVehicle):
         There are none where the sides differ, and none of a kind of vehicle that has matrices of its own: its linkage
         does not answer for them.
         """
-        return halves(self.linkage(), self.wheels) if type(self).assemble is Vehicle.assemble else ()
+        return halves(self._linear(), self.wheels) if type(self).assemble is Vehicle.assemble else ()
 
     def whole(self) -> OnStruts | None:
         """All struts on the rigid body of a flattened vehicle; None of one that is more, or has matrices of its own."""
-        return whole(self.linkage()) if type(self).assemble is Vehicle.assemble else None
+        return whole(self._linear()) if type(self).assemble is Vehicle.assemble else None
 
     @classmethod
     @cache
@@ -362,8 +423,19 @@ class Vehicle(RoadVehicle):
         )
 
 
-def _joined(at_wheels: dict[str, Any]) -> Corners | tuple[Any, ...]:
+def _passed(value: Any, where: str, quantity: Quantity) -> Any:
+    """A checked number, array, DataArray or curve."""
+    return check_place(value, where, quantity.name) if isinstance(value, Curve) else checked(value, where, quantity)
+
+
+def _equal(one: Any, other: Any) -> bool:
+    return one.alike(other) if isinstance(one, Curve) else one is other or np.array_equal(one, other)
+
+
+def joined(at_wheels: dict[str, Any]) -> Any:
     """A value for each wheel as a field holds them."""
+    if len(at_wheels) == 1:
+        return next(iter(at_wheels.values()))
     return Corners(**at_wheels) if len(at_wheels) == 4 else tuple(at_wheels.values())
 
 

@@ -79,4 +79,5 @@ def disagreement(variances: Array, other: Array, outputs: Outputs, agreed: float
     """Designs (N,) of which some variance (outputs, N) is not the same in other units, but for such a share."""
     units = {"sws": 1.0, "tyre_deflection": 1.0, "dtl": MASS**2 * TIME**-4.0, "sws_rate": TIME**-2.0}
     same = other / np.array([units.get(row.quantity.name, TIME**-4.0) for row in outputs.rows])[:, None]
-    return np.logical_or.reduce((variances != same) & ~(np.abs(variances - same) < agreed * variances))
+    with np.errstate(invalid="ignore"):
+        return np.logical_or.reduce((variances != same) & ~(np.abs(variances - same) < agreed * variances))

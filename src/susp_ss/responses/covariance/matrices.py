@@ -19,7 +19,7 @@ from ...roads.colours import colours
 from ...roads.road import Road
 from ...vehicles.contract import RoadVehicle
 from ...vehicles.linear import LinearModel
-from ...vehicles.parameters import DesignSpace
+from ...vehicles.parameters import DesignSpace, SomeDesigns
 from ...vehicles.second_order import SecondOrder
 from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, integrated, processes, spanned
 from .first_order import Correlations, Spectrum
@@ -98,7 +98,7 @@ def batches(designs: NDArray[np.int_], size: int) -> Iterator[NDArray[np.int_]]:
     return (designs[i : i + size] for i in range(0, len(designs), size))
 
 
-def lost_digits(flat: RoadVehicle, space: DesignSpace, design: int) -> ValueError:
+def lost_digits(flat: RoadVehicle, space: DesignSpace | SomeDesigns, design: int) -> ValueError:
     """Say which design cannot be computed to six digits."""
     return ValueError(
         f"{type(flat).__name__}{space.place(design)} is damped so lightly or so heavily, has "
@@ -107,7 +107,9 @@ def lost_digits(flat: RoadVehicle, space: DesignSpace, design: int) -> ValueErro
     )
 
 
-def moments(flat: RoadVehicle, space: DesignSpace, road: Road, chosen: NDArray[np.int_], lost: float) -> Moments:
+def moments(
+    flat: RoadVehicle, space: DesignSpace | SomeDesigns, road: Road, chosen: NDArray[np.int_], lost: float
+) -> Moments:
     """Covariance of some designs of a flattened vehicle, each with an error below ``lost``."""
     whole, designs, road = road, flat.select(chosen), road.select(chosen)
     model = designs.assemble()

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from ...roads.road import Road
 from ...vehicles.contract import Model, RoadVehicle
-from ...vehicles.parameters import DesignSpace
+from ...vehicles.parameters import DesignSpace, SomeDesigns
 from ..excitation import Process, processes, vanishing_outputs
 from . import polynomials, struts
 from .compiler import compiler_found
@@ -53,7 +53,7 @@ KEPT = 4_000_000
 PLENTY, MANY = 1_000_000, 50_000
 
 
-def covariance_variances(flat: RoadVehicle, space: DesignSpace, road: Road, designs: int = 1) -> Array:
+def covariance_variances(flat: RoadVehicle, space: DesignSpace | SomeDesigns, road: Road, designs: int = 1) -> Array:
     """Variances (designs, outputs) of all outputs of a flattened vehicle's designs; `inf` where white velocity passes.
 
     These may be part of a sweep of more ``designs``, whose number decides what is worth compiling.

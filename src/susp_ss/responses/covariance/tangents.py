@@ -8,7 +8,7 @@ parameters: an imaginary step gives their tangents to rounding. States are mass-
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -119,16 +119,21 @@ def _along(settings: Sequence[Setting], field: str, wheel: str | None = None) ->
     return np.array([[s.field == field and s.wheel in (None, wheel)] for s in settings], dtype=float)
 
 
-def _system(vehicle: Vehicle, model: SecondOrder, settings: Sequence[Setting], N: int) -> _System:
+def stepped_along(vehicle: Vehicle, settings: Sequence[Setting], held: Container[tuple[str, str]] = ()) -> Vehicle:
+    """The vehicle an imaginary step along each setting, (P, N); fields at the wheels ``held`` stay."""
     stepped = copy.copy(vehicle)
     for name in {setting.field for setting in settings}.difference(ROAD):
-        if name in vehicle.per_corner:
-            parts = zip(vehicle.wheels, vehicle.at_wheels(name), strict=True)
-            moved: Any = tuple(value + 1j * STEP * _along(settings, name, wheel) for wheel, value in parts)
-        else:
-            moved = getattr(vehicle, name) + 1j * STEP * _along(settings, name)
+        moved = [
+            value + 1j * STEP * _along(settings, name, wheel) * ((name, wheel) not in held)
+            for wheel, value in zip(vehicle.wheels, vehicle.at_wheels(name), strict=True)
+        ]
         # The vehicle itself was checked when it was made.
-        object.__setattr__(stepped, name, moved)
+        object.__setattr__(stepped, name, tuple(moved) if name in vehicle.per_corner else moved[0])
+    return stepped
+
+
+def _system(vehicle: Vehicle, model: SecondOrder, settings: Sequence[Setting], N: int) -> _System:
+    stepped = stepped_along(vehicle, settings)
 
     def dual(value: Any, moved: Any, ndim: int) -> Dual:
         rest = np.shape(value)[np.ndim(value) - ndim :]
