@@ -345,6 +345,38 @@ def full_car_matrices(
     return Model(*matrices, coordinates, CORNERS, cs, outputs, wheelbase=a + b, track_width=2 * c)
 
 
+def with_seat(model, name, floor, mass, ks, cs):
+    """A model with one more coordinate, ``mass z'' = ks (z_f - z) + cs (z_f' - z')``, and its reaction on the floor.
+
+    ``z_f = floor . q`` is the height of the floor. Outputs: the accelerations of both, and ``z_f - z``.
+    """
+    n, wheels = len(model.coordinates), len(model.wheels)
+    floor = np.array([floor.get(coordinate, 0.0) for coordinate in model.coordinates])
+    M, C, K = (np.zeros((n + 1, n + 1), dtype=np.asarray(matrix).dtype) for matrix in model[:3])
+    for grown, matrix in zip((M, C, K), model[:3], strict=True):
+        grown[:n, :n] = matrix
+    M[n, n] = mass
+    for matrix, rate in ((C, cs), (K, ks)):
+        for i in range(n):
+            for j in range(n):
+                matrix[i, j] += rate * floor[i] * floor[j]
+            matrix[i, n] = matrix[n, i] = -rate * floor[i]
+        matrix[n, n] = rate
+    still, ground = np.zeros(n + 1), np.zeros(wheels)
+    rider, under = np.append(np.zeros(n), 1.0), np.append(floor, 0.0)
+    outputs = {
+        output: Output(*(np.append(row, 0.0) for row in (own.q, own.v, own.a)), own.r, own.w)
+        for output, own in model.outputs.items()
+    }
+    outputs[f"bacc_{name}"] = Output(still, still, rider, ground, ground)
+    outputs[f"bacc_{name}_floor"] = Output(still, still, under, ground, ground)
+    outputs[f"seat_travel_{name}"] = Output(rider - under, still, still, ground, ground)
+    K_in, C_in = (np.vstack([matrix, np.zeros((1, wheels), dtype=matrix.dtype)]) for matrix in model[3:5])
+    return model._replace(
+        M=M, C=C, K=K, K_in=K_in, C_in=C_in, coordinates=(*model.coordinates, f"z_{name}"), outputs=outputs
+    )
+
+
 # ---------------------------------------------------------------------------------------------------- roads
 
 

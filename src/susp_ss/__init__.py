@@ -25,6 +25,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     | {
         "vehicles.linear": ["LinearVehicle"],
         "vehicles.parameters": ["Corners"],
+        "vehicles.seats": ["Seat"],
         "roads": ["DEFAULT_ROAD", "Road"],
         "responses": ["frequency_response", "psd", "simulate"],
         "responses.covariance": ["covariance"],

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 class Quantity(NamedTuple):
     """What a name stands for.
 
-    ``unit`` is the SI unit, ``bound`` what its values must be (``"> 0"``, ``">= 0"`` or nothing), ``shown`` the unit of
-    pictures where that is another, ``dim`` what its places are, of a result the dim along which they lie,
+    ``unit`` is the SI unit, ``bound`` what its values must be (``"> 0"``, ``">= 0"`` or just finite), ``shown`` the
+    unit of pictures where that is another, ``dim`` what its places are, of a result the dim along which they lie,
     ``statistic`` what a ride metric is of the momentary value, and ``known`` the least and the largest value that road
     vehicles and roads have, from karts to trucks; zero is known where the bound admits it.
     """
@@ -57,6 +57,9 @@ PARAMETERS = _table(
     Quantity("arb", "N/m", "anti-roll bar of one axle", "", ">= 0", known=(100.0, 1e7)),
     Quantity("arb_front", "N/m", "front anti-roll bar", "", ">= 0", known=(100.0, 1e7)),
     Quantity("arb_rear", "N/m", "rear anti-roll bar", "", ">= 0", known=(100.0, 1e7)),
+    Quantity("seat_mass", "kg", "mass on the seat", "", "> 0", known=(1.0, 500.0)),
+    Quantity("seat_ks", "N/m", "seat stiffness", "", "> 0", "kN/m", known=(500.0, 1e6)),
+    Quantity("seat_cs", "N s/m", "seat damping rate", "", ">= 0", "kN s/m", known=(10.0, 1e5)),
 )
 """Parameters of vehicles, in the symbols of the study."""
 
@@ -85,6 +88,7 @@ METRICS = _table(
     ),
     Quantity("tyre_deflection", "m", "tyre deflection", "", ">= 0", "mm", "corner", known=(1e-7, 0.3)),
     Quantity("sws_rate", "m/s", "suspension velocity", "", ">= 0", dim="corner", known=(1e-5, 50.0)),
+    Quantity("seat_travel", "m", "seat deflection", "", ">= 0", "mm", "seat", known=(1e-6, 1.0)),
 )
 """Variables of `susp_ss.ride_metrics`, in their order."""
 
@@ -125,7 +129,7 @@ GROUPS = {
 PLACES = {"cg", *CORNERS, *GROUPS, "f", "r", "l"}
 """What may follow the name of a quantity: corners, groups of them, ends and sides of half cars, and ``cg``."""
 
-DIMS = ("point", "corner", "state", "state_", "output", "input", "frequency", "time")
+DIMS = ("point", "corner", "seat", "state", "state_", "output", "input", "frequency", "time")
 """Dims of results."""
 
 
@@ -150,8 +154,9 @@ def metric_and_place(name: str) -> tuple[str, str | None]:
     >>> metric_and_place("sws_rr"), metric_and_place("pitch_acc")
     (('sws', 'rr'), ('pitch_acc', None))
     """
-    metric, _, place = name.rpartition("_")
-    return (metric, place) if metric in METRICS else (name, None)
+    found = [metric for metric in METRICS if name.startswith(f"{metric}_")] if name not in METRICS else []
+    metric = max(found, key=len, default=name)
+    return (metric, name.removeprefix(f"{metric}_")) if found else (name, None)
 
 
 def unit_of(output: str) -> str:

@@ -166,7 +166,7 @@ def _vehicle(option: str, default: str, model: str | None, file: Path | None, tr
         if file is None:
             return model_named(default if model is None else model)()
         car = read_vehicle(file, trust_units)
-        if model is not None and type(car) is not model_named(model):
+        if model is not None and model_name(car) != model:
             raise Refusal(f"{flag(option)} {model}, but {file} holds the model {model_name(car)!r}")
         return car
 

@@ -5,6 +5,7 @@ import lazy_loader
 MODELS = {
     "full": "full.FullCar",
     "quarter": "quarter.QuarterCar",
+    "quarter-seat": "quarter.QuarterCarWithSeat",
     "rigid-tyre": "quarter.RigidTyreQuarterCar",
     "pitch-half": "half.PitchHalfCar",
     "roll-half": "half.RollHalfCar",
@@ -17,5 +18,7 @@ for _place in MODELS.values():
     CLASSES.setdefault(_module, []).append(_class)
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
-    __name__, submod_attrs=CLASSES | {"linear": ["LinearVehicle"], "parameters": ["Corners"], "vehicle": ["Vehicle"]}
+    __name__,
+    submod_attrs=CLASSES
+    | {"linear": ["LinearVehicle"], "parameters": ["Corners"], "seats": ["Seat"], "vehicle": ["Vehicle"]},
 )

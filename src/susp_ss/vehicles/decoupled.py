@@ -138,7 +138,7 @@ def halves(linkage: Linkage, wheels: Mapping[str, Wheel]) -> tuple[OnStruts, ...
 def _body(linkage: Linkage) -> dict[str, Any] | None:
     """Inertia of each of the body's coordinates; None where there is more than struts on a rigid body."""
     wheels = [corner.wheel for corner in linkage.corners.values() if corner.wheel and len(corner.wheel.terms) == 1]
-    if linkage.links or linkage.more or len(wheels) < len(linkage.corners):
+    if linkage.seats or linkage.links or linkage.more or len(wheels) < len(linkage.corners):
         return None
     ridden = {name for wheel in wheels for name in wheel.terms}
     masses = {name: mass for motion, mass in linkage.masses.items() for name in motion.terms}

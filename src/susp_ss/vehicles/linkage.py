@@ -96,6 +96,20 @@ class Corner:
 
 
 @dataclass(frozen=True, eq=False)
+class Cushion:
+    """Spring and damper of a seat, which carry a rider on the floor: on the body, at a point of it."""
+
+    rider: Motion
+    floor: Motion
+    ks: Any
+    cs: Any
+
+    @cached_property
+    def link(self) -> Link:
+        return Link(self.rider - self.floor, self.ks, self.cs)
+
+
+@dataclass(frozen=True, eq=False)
 class Output:
     """One row of the output table: ``acceleration q'' + sum elongation e + sum rate e'``, links by their factors."""
 
@@ -123,8 +137,10 @@ class Linkage:
         Body rotations (name of their acceleration -> Motion).
     bars : dict
         Anti-roll bars: stiffness along the difference of the suspension deflections of two corners (pair of names).
+    seats : dict
+        `Cushion` by the name of the seat.
     links : sequence of Link
-        Beyond corners and bars: a seat.
+        Beyond corners, bars and seats.
     warp : Motion, optional
         The combination of road heights that a rigid body on its wheels cannot follow.
     more : sequence of Output
@@ -136,6 +152,7 @@ class Linkage:
     points: Mapping[str, Motion]
     rotations: Mapping[str, Motion] = field(default_factory=dict)
     bars: Mapping[tuple[str, ...], Any] = field(default_factory=dict)
+    seats: Mapping[str, Cushion] = field(default_factory=dict)
     links: Sequence[Link] = ()
     warp: Motion | None = None
     more: Sequence[Output] = ()
@@ -153,6 +170,7 @@ class Linkage:
             *others,
             *(Output(sws, name, elongation={corner.suspension: 1.0}) for name, corner in corners),
             *(Output(dtl, name, elongation=_stiff(corner.tyre), rate=_damped(corner.tyre)) for name, corner in corners),
+            *(Output(METRICS["seat_travel"], name, elongation={seat.link: 1.0}) for name, seat in self.seats.items()),
             *self.more,
             *(Output(rate, name, rate={corner.suspension: 1.0}, public=False) for name, corner in corners),
             *(
@@ -179,7 +197,8 @@ class Linkage:
             Link(self.corners[one].suspension.elongation - self.corners[other].suspension.elongation, stiffness)
             for (one, other), stiffness in self.bars.items()
         ]
-        links = list(dict.fromkeys([*suspensions, *tyres, *bars, *self.links]))
+        cushions = [seat.link for seat in self.seats.values()]
+        links = list(dict.fromkeys([*suspensions, *tyres, *bars, *cushions, *self.links]))
 
         elongations = [link.elongation.terms for link in links]
         R, N = coefficients(elongations, layout.coordinates), coefficients(elongations, layout.inputs)
@@ -207,9 +226,11 @@ class Linkage:
             damping=c[..., of_suspension],
             warp=None if self.warp is None else coefficients([self.warp.terms], layout.inputs)[0],
         )
-        # Energy only leaves: where each corner has a damper, no mode of wheels and a rigid body can go on for ever.
+        # Energy only leaves: where each corner and each seat has a damper, no mode of wheels, a rigid body and riders
+        # can go on for ever.
         at_corners = np.all((c.real[..., of_suspension] > 0.0) | (c.real[..., of_tyre] > 0.0), axis=-1)
-        object.__setattr__(model, "damped", at_corners & (not self.links))
+        at_seats = np.all(c.real[..., [links.index(link) for link in cushions]] > 0.0, axis=-1)
+        object.__setattr__(model, "damped", at_corners & at_seats & (not self.links))
         return model
 
 

@@ -16,7 +16,8 @@ from .contract import RoadVehicle
 from .decoupled import OnStruts, halves, whole
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
-from .points import checked_points, with_points
+from .points import as_kind, checked_points, with_points
+from .seats import Seat, checked_seats, with_seats
 from .second_order import Layout, SecondOrder
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ class Vehicle(RoadVehicle):
 
     wheels: ClassVar[dict[str, Wheel]]
     per_corner: ClassVar[tuple[str, ...]] = ()
+    seats: ClassVar[tuple[str, ...]] = ()
 
     def linkage(self) -> Linkage:
         """Masses, corners and links: the vehicle's physics as data."""
@@ -226,10 +228,38 @@ class Vehicle(RoadVehicle):
         ('cg', 'fr', 'fl', 'rr', 'rl', 'driver')
         """
         own: Any = type(self)
-        kind = with_points(own, checked_points(points, type(self).__name__, self.linkage()))
-        vehicle: Vehicle = object.__new__(kind)
-        for name, value in vars(self).items():
-            object.__setattr__(vehicle, name, value)
+        vehicle: Vehicle = as_kind(self, with_points(own, checked_points(points, own.__name__, self.linkage())))
+        return vehicle
+
+    def with_seats(self, seats: Mapping[str, Seat]) -> Vehicle:
+        """The same vehicle with people on seats: one more mass, spring and damper each, coupled to the body.
+
+        The fields ``seat_x``, ``seat_y``, ``seat_mass``, ``seat_ks`` and ``seat_cs``, with the name of the seat behind
+        them (``seat_ks_driver``), are parameters of the vehicle like any other: sweeps, sensitivities and
+        `replaced` know them. ``bacc`` is measured on the seat, at the point of its name, and on the floor below it
+        (``driver_floor``), ``seat_travel`` on dim "seat".
+
+        Parameters
+        ----------
+        seats : mapping of str to Seat
+
+        Raises
+        ------
+        TypeError, ValueError
+            No such mapping, a name that is taken, or a place that the model's body does not have.
+
+        Examples
+        --------
+        >>> from susp_ss import FullCar, Road, Seat, sensitivity
+        >>> car = FullCar().with_seats({"driver": Seat(x=0.3, y=0.4, ks=30e3)})
+        >>> car.seat_ks_driver
+        30000.0
+        >>> sensitivity(car, Road(), ["seat_ks_driver"], weighting="Wk").bacc.sel(point="driver").item() > 0.0
+        True
+        """
+        own: Any = type(self)
+        fields = checked_seats(seats, own.__name__, self.linkage())
+        vehicle: Vehicle = with_seats(own, tuple(seats), tuple(fields))(**vars(self), **fields)
         return vehicle
 
     def assemble(self) -> SecondOrder:
