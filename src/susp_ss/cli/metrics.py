@@ -80,6 +80,7 @@ def run(
     pitch_acc, roll_acc: angular acceleration of the body (rad/s^2)
     damper_power: mean power dissipated in each damper (W)
     tyre_deflection (m), sws_rate: suspension velocity (m/s)
+    seat_travel: deflection of a seat of the vehicle file (m)
 
     An infinite variance shows as inf, in JSON as the text "inf".
     """
