@@ -15,7 +15,7 @@ from ..roads.profiles import synthesise
 from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import DesignSpace
-from .excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
+from .excitation import check_kinds, check_stationary, delays, infinite_outputs, processes
 from .labels import labelled_outputs
 
 Array = NDArray[np.float64]
@@ -117,12 +117,14 @@ def _mean_squares(vehicle: RoadVehicle, road: Road, duration: float, step: float
     model = vehicle.assemble()
     check_stationary(vehicle, road, model)
     excited = processes(vehicle, road)
-    tau = float(delay(vehicle, road)) if any(process.later.any() for process in excited) else 0.0
+    delayed = any(process.delayed for process in excited)
+    taus = [float(tau) if delayed else 0.0 for tau in delays(vehicle, road)]
     eigenvalues = np.linalg.eigvals(model.A)
     swinging = np.abs(eigenvalues[np.abs(eigenvalues.imag) > SWINGING * np.abs(eigenvalues)])
     step = min(step, RESOLVED / swinging.max(initial=RESOLVED / step))
-    if tau:
-        step = tau / np.ceil(tau / step)
+    later = [tau for tau in taus if tau > 0.0]
+    if later:
+        step = later[0] / np.ceil(later[0] / step)
     fading = eigenvalues if road.weighting is None else np.concatenate([eigenvalues, road.weighting.poles])
     forget = 8.0 / np.abs(fading.real).min()
     if (duration + forget) / step > MOST_STEPS:
@@ -135,11 +137,11 @@ def _mean_squares(vehicle: RoadVehicle, road: Road, duration: float, step: float
         duration,
         step,
         sides=[wheel.side for wheel in vehicle.wheels.values()],
-        delays=[tau * wheel.axle for wheel in vehicle.wheels.values()],
+        delays=[taus[wheel.axle] for wheel in vehicle.wheels.values()],
         track_width=float(vehicle.track_width),
         seed=seed,
     )
-    z *= np.any([process.now + process.later != 0.0 for process in excited], axis=0)[:, None]
+    z *= np.any([process.weights != 0.0 for process in excited], axis=(0, 1))[:, None]
     period = z.shape[1]
     lead = int(np.ceil(forget / step))
     z = np.take(z, np.arange(-lead, period), axis=1, mode="wrap")

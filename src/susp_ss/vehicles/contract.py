@@ -100,8 +100,13 @@ class RoadVehicle(ABC):
 
     @property
     @abstractmethod
+    def axles(self) -> tuple[Any, ...]:
+        """How far each axle is behind the first, in m: 0, then ascending; numbers, or one a design."""
+
+    @property
     def wheelbase(self) -> Any:
-        """Distance between the axles in m; 0 for a vehicle with one."""
+        """Distance from the first to the last axle in m; 0 for a vehicle with one."""
+        return self.axles[-1]
 
     @property
     @abstractmethod

@@ -56,7 +56,7 @@ def track(*names: str) -> tuple[Motion, ...]:
 
 
 class Wheel(NamedTuple):
-    """Where a wheel runs: ``axle`` 0 in front, 1 behind; ``side`` -1 right, +1 left, 0 on the centre line."""
+    """Where a wheel runs: ``axle`` 0 in front, 1 behind and so on; ``side`` -1 right, 1 left, 0 on the centre line."""
 
     axle: int
     side: int
@@ -141,8 +141,8 @@ class Linkage:
         `Cushion` by the name of the seat.
     links : sequence of Link
         Beyond corners, bars and seats.
-    warp : Motion, optional
-        The combination of road heights that a rigid body on its wheels cannot follow.
+    warps : sequence of Motion
+        The combinations of road heights that a rigid body on its wheels cannot follow.
     more : sequence of Output
         Rows of the output table beyond those of every vehicle.
     """
@@ -154,7 +154,7 @@ class Linkage:
     bars: Mapping[tuple[str, ...], Any] = field(default_factory=dict)
     seats: Mapping[str, Cushion] = field(default_factory=dict)
     links: Sequence[Link] = ()
-    warp: Motion | None = None
+    warps: Sequence[Motion] = ()
     more: Sequence[Output] = ()
 
     @cached_property
@@ -186,7 +186,7 @@ class Linkage:
         states = [name for motion in self.masses for name in motion.terms]
         heights = (name for corner in self.corners.values() for name in corner.road.terms)
         rows = tuple(Row(output.quantity, output.place, output.public) for output in self.outputs)
-        return Layout(tuple(states), tuple(heights), tuple(self.corners), Outputs(rows), self.warp is not None)
+        return Layout(tuple(states), tuple(heights), tuple(self.corners), Outputs(rows), len(self.warps))
 
     def assemble(self) -> SecondOrder:
         """Write the links out as matrices; parameters that are arrays give stacks of matrices."""
@@ -224,7 +224,7 @@ class Linkage:
             suspensions=of_suspension,
             tyres=of_tyre,
             damping=c[..., of_suspension],
-            warp=None if self.warp is None else coefficients([self.warp.terms], layout.inputs)[0],
+            integrators=coefficients([warp.terms for warp in self.warps], layout.inputs),
         )
         # Energy only leaves: where each corner and each seat has a damper, no mode of wheels, a rigid body and riders
         # can go on for ever.

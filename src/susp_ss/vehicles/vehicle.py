@@ -161,9 +161,10 @@ class Vehicle(RoadVehicle):
         return tuple(value) if isinstance(value, (Corners, tuple)) else (value,) * len(self.wheels)
 
     @property
-    def wheelbase(self) -> Any:
-        """Distance between the axles in m; 0 for a vehicle with one."""
-        return getattr(self, "a", 0.0) + getattr(self, "b", 0.0)
+    def axles(self) -> tuple[Any, ...]:
+        """How far each axle is behind the first, in m: ``a + b`` where there are two."""
+        own: Any = self
+        return (0.0, own.a + own.b) if hasattr(own, "a") else (0.0,)
 
     @property
     def track_width(self) -> Any:

@@ -168,7 +168,7 @@ def test_what_polynomials_cannot_hold_is_left():
 
 @pytest.mark.parametrize("ks", [18e3, ss.Corners(fr=17e3, fl=18e3, rr=19e3, rl=20e3)])
 def test_steep_independent_tracks_are_refused(ks):
-    with pytest.raises(ValueError, match="warp of the road under the four wheels has no finite variance"):
+    with pytest.raises(ValueError, match="warp of the road under the wheels has no finite variance"):
         ss.ride_metrics(ss.FullCar(ks=ks), ss.Road(tracks="independent", waviness=3.2))
 
 

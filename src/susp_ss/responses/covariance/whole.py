@@ -12,7 +12,7 @@ from ...roads.colours import colours
 from ...roads.road import Road
 from ...vehicles.contract import RoadVehicle
 from ...vehicles.decoupled import OnStruts
-from ..excitation import Process, delay, processes, steep
+from ..excitation import Process, delays, processes, steep
 from . import digits, struts
 from .polynomials import Array, Track
 from .struts import Chassis
@@ -119,7 +119,9 @@ def problem(whole: OnStruts, vehicle: RoadVehicle, road: Road, N: int) -> Proble
 
     def stirred(process: Process) -> Stirred:
         spectrum = colours(road, process.share, process.sign, width)
-        return Stirred(np.stack([process.now, process.later]), steep(process, road), as_track(spectrum))
+        weights = np.zeros((2, len(corners)))
+        weights[: len(process.weights)] = process.weights
+        return Stirred(weights, steep(process, road), as_track(spectrum))
 
     return Problem(
         places=tuple(name for (name,) in corners),
@@ -135,7 +137,7 @@ def problem(whole: OnStruts, vehicle: RoadVehicle, road: Road, N: int) -> Proble
             for name, shares in whole.points.items()
         },
         excited=tuple(stirred(process) for process in processes(vehicle, road)),
-        tau=columns(N, [delay(vehicle, road)])[0],
+        tau=columns(N, delays(vehicle, road)[-1:])[0],
     )
 
 
