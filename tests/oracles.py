@@ -345,6 +345,94 @@ def full_car_matrices(
     return Model(*matrices, coordinates, CORNERS, cs, outputs, wheelbase=a + b, track_width=2 * c)
 
 
+def truck_matrices(mb, ixx, iyy, ahead, c, wheels, mu, ks, cs, kt, ct, bars):
+    """A rigid body on any number of axles, coordinates (one height a wheel, z_b, theta, phi).
+
+    ``wheels`` name (axle, side); ``ahead`` is how far each axle lies ahead of the centre of gravity, ``mu`` to ``ct``
+    sequences in the order of the wheels, ``bars`` the stiffness of each axle's anti-roll bar.
+    """
+    names = tuple(wheels)
+    mu, ks, cs, kt, ct = (_per_wheel(value, names) for value in (mu, ks, cs, kt, ct))
+
+    def over(q, name):
+        axle, side = wheels[name]
+        return q["z_b"] - ahead[axle] * q["theta"] + side * c * q["phi"]
+
+    def accelerations(z, dz, zr, dzr):
+        deflection = {name: z[f"z_u_{name}"] - over(z, name) for name in names}
+        force = {}
+        for name, (axle, side) in wheels.items():
+            (other,) = (one for one, place in wheels.items() if place[0] == axle and place[1] == -side)
+            force[name] = ks[name] * deflection[name] + cs[name] * (dz[f"z_u_{name}"] - over(dz, name))
+            force[name] += bars[axle] * (deflection[name] - deflection[other])
+        hops = {
+            f"z_u_{name}": (
+                kt[name] * (zr[name] - z[f"z_u_{name}"]) + ct[name] * (dzr[name] - dz[f"z_u_{name}"]) - force[name]
+            )
+            / mu[name]
+            for name in names
+        }
+        return hops | {
+            "z_b": sum(force.values()) / mb,
+            "theta": sum(-ahead[wheels[name][0]] * f for name, f in force.items()) / iyy,
+            "phi": sum(wheels[name][1] * c * f for name, f in force.items()) / ixx,
+        }
+
+    coordinates = (*(f"z_u_{name}" for name in names), "z_b", "theta", "phi")
+    inertia = {f"z_u_{name}": mu[name] for name in names} | {"z_b": mb, "theta": iyy, "phi": ixx}
+    points = {name: {"z_b": 1.0, "theta": -ahead[axle], "phi": side * c} for name, (axle, side) in wheels.items()}
+    outputs = _outputs(
+        coordinates,
+        names,
+        {"cg": {"z_b": 1.0}} | points,
+        {name: (f"z_u_{name}", name) for name in names},
+        {"pitch_acc": "theta", "roll_acc": "phi"},
+        kt,
+        ct,
+    )
+    return Model(*_matrices(accelerations, coordinates, names, inertia), coordinates, names, cs, outputs)
+
+
+def variance_impulses(model, lags, tracks, q):
+    """Variances on white road velocity of intensity q, met by wheel after wheel: no spectrum, no cross-correlation.
+
+    ``E[y^2] = q int h(t)^2 dt`` with h the answer to a step of one road's height, which reaches each wheel of its
+    track after its own of the ``lags``: between two of these, a free decay towards where the vehicle would stand, whose
+    integral is a difference of two Lyapunov solutions. ``tracks`` are the wheels of each independent road. No damping
+    of tyres.
+    """
+    n = len(model.coordinates)
+    A = np.block(
+        [[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(model.M, model.K), -np.linalg.solve(model.M, model.C)]]
+    )
+    forced = np.linalg.solve(model.M, model.K_in)
+    rows, feeds = [], []
+    for output in model.outputs.values():
+        row = np.concatenate([output.q, output.v]) + output.a @ A[n:]
+        rows.append(row)
+        feeds.append(output.r + output.a @ forced)
+    C, D = np.array(rows, dtype=float), np.array(feeds, dtype=float)
+    total = np.zeros(len(C))
+    for wheels in tracks:
+        heights, x = np.zeros(len(model.wheels)), np.zeros(2 * n)
+        times = sorted({lags[wheel] for wheel in wheels})
+        for now, later in zip(times, [*times[1:], None], strict=True):
+            for i, wheel in enumerate(model.wheels):
+                if wheel in wheels and lags[wheel] == now:
+                    heights[i] = 1.0
+            still = np.concatenate([np.linalg.solve(model.K, model.K_in @ heights), np.zeros(n)])
+            start, constant = x - still, C @ still + D @ heights
+            end = np.zeros(2 * n) if later is None else scipy.linalg.expm(A * (later - now)) @ start
+            X = scipy.linalg.solve_continuous_lyapunov(A, np.outer(end, end) - np.outer(start, start))
+            total += np.einsum("oi,ij,oj->o", C, X, C)
+            if later is None:
+                np.testing.assert_allclose(constant, 0.0, atol=1e-9 * np.abs(C).max())
+            else:
+                total += 2.0 * constant * (C @ np.linalg.solve(A, end - start)) + constant**2 * (later - now)
+            x = still + end
+    return dict(zip(model.outputs, q * total, strict=True))
+
+
 def with_seat(model, name, floor, mass, ks, cs):
     """A model with one more coordinate, ``mass z'' = ks (z_f - z) + cs (z_f' - z')``, and its reaction on the floor.
 

@@ -49,6 +49,7 @@ PARAMETERS = _table(
     Quantity("iyy", "kg m^2", "pitch inertia", "I_yy", "> 0", known=(1.0, 5e5)),
     Quantity("a", "m", "front axle to centre of gravity", "a", "> 0", known=(0.1, 10.0)),
     Quantity("b", "m", "rear axle to centre of gravity", "b", "> 0", known=(0.1, 10.0)),
+    Quantity("middle", "m", "middle axle behind the centre of gravity", known=(0.01, 10.0)),
     Quantity("c", "m", "half track width", "c", "> 0", known=(0.1, 2.0)),
     Quantity("ks", "N/m", "spring stiffness", "K_s", "> 0", "kN/m", dim="corner", known=(1e3, 5e6)),
     Quantity("cs", "N s/m", "damping rate", "C_s", ">= 0", "kN s/m", dim="corner", known=(20.0, 1e6)),
@@ -56,6 +57,7 @@ PARAMETERS = _table(
     Quantity("ct", "N s/m", "tyre damping", "C_t", ">= 0", dim="corner", known=(1.0, 1e5)),
     Quantity("arb", "N/m", "anti-roll bar of one axle", "", ">= 0", known=(100.0, 1e7)),
     Quantity("arb_front", "N/m", "front anti-roll bar", "", ">= 0", known=(100.0, 1e7)),
+    Quantity("arb_middle", "N/m", "middle anti-roll bar", "", ">= 0", known=(100.0, 1e7)),
     Quantity("arb_rear", "N/m", "rear anti-roll bar", "", ">= 0", known=(100.0, 1e7)),
     Quantity("seat_mass", "kg", "mass on the seat", "", "> 0", known=(1.0, 500.0)),
     Quantity("seat_ks", "N/m", "seat stiffness", "", "> 0", "kN/m", known=(500.0, 1e6)),
@@ -118,6 +120,9 @@ UNITS: dict[str, dict[str, float]] = {
 CORNERS = {"fr": "front right", "fl": "front left", "rr": "rear right", "rl": "rear left"}
 """Corners of a car, in the order of every result."""
 
+MIDDLE = {"mr": "middle right", "ml": "middle left"}
+"""Wheels between them, of three axles."""
+
 GROUPS = {
     "front": frozenset({"fr", "fl"}),
     "rear": frozenset({"rr", "rl"}),
@@ -126,8 +131,8 @@ GROUPS = {
 }
 """Corners that a word stands for."""
 
-PLACES = {"cg", *CORNERS, *GROUPS, "f", "r", "l"}
-"""What may follow the name of a quantity: corners, groups of them, ends and sides of half cars, and ``cg``."""
+PLACES = {"cg", *CORNERS, *MIDDLE, "middle", *GROUPS, "f", "r", "l"}
+"""What may follow the name of a quantity: wheels, groups of them, ends and sides of half cars, and ``cg``."""
 
 DIMS = ("point", "corner", "seat", "state", "state_", "output", "input", "frequency", "time")
 """Dims of results."""

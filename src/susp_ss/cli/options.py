@@ -12,7 +12,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from ..quantities import CORNERS, GROUPS, PARAMETERS, ROAD, Quantity, signal
+from ..quantities import CORNERS, GROUPS, MIDDLE, PARAMETERS, ROAD, Quantity, signal
 from ..units import implausible, in_si, likely, split_unit, stated
 from ..vehicles import MODELS
 from .refusals import Refusal, refusals
@@ -122,7 +122,9 @@ def vehicle_options(
             parameters.append(value(name, quantity, ", each wheel" if quantity.dim else ""))
             if quantity.dim:
                 shown = {place: f" of the {place} wheels" for place in ("front", "rear")}
-                others = (place for place in (*CORNERS, "f", "r", "l", *GROUPS) if place not in shown)
+                others = (
+                    place for place in (*CORNERS, *MIDDLE, "f", "r", "l", "middle", *GROUPS) if place not in shown
+                )
                 parameters += [value(signal(name, place), quantity, where) for place, where in shown.items()]
                 parameters += [value(signal(name, place), quantity, "", hidden=True) for place in others]
     model = optional(

@@ -9,6 +9,7 @@ MODELS = {
     "rigid-tyre": "quarter.RigidTyreQuarterCar",
     "pitch-half": "half.PitchHalfCar",
     "roll-half": "half.RollHalfCar",
+    "three-axle": "truck.ThreeAxleTruck",
 }
 """Every vehicle: its name in files and on the command line, its module and its class."""
 

@@ -43,7 +43,7 @@ def models() -> dict[str, type[Vehicle]]:
     --------
     >>> from susp_ss.vehicles.files import models
     >>> list(models())
-    ['full', 'quarter', 'quarter-seat', 'rigid-tyre', 'pitch-half', 'roll-half']
+    ['full', 'quarter', 'quarter-seat', 'rigid-tyre', 'pitch-half', 'roll-half', 'three-axle']
     """
     places = {name: place.partition(".") for name, place in MODELS.items()}
     return {

@@ -66,9 +66,11 @@ class Vehicle(RoadVehicle):
     def settings(cls) -> dict[str, tuple[str, tuple[str, ...]]]:
         """Field and wheels of every name that sets a parameter: ``ks`` everywhere, ``ks_front`` or ``ks_rl`` there."""
         places: dict[str, tuple[str, ...]] = {name: (name,) for name in cls.wheels if name}
+        last = max(wheel.axle for wheel in cls.wheels.values())
         for place, part, value in (
             ("front", "axle", 0),
-            ("rear", "axle", 1),
+            *([("middle", "axle", 1)] if last == 2 else []),
+            ("rear", "axle", last),
             ("right", "side", -1),
             ("left", "side", 1),
         ):
@@ -129,26 +131,30 @@ class Vehicle(RoadVehicle):
         value = getattr(self, name)
         where = f"{type(self).__name__}({name}=...)"
         if isinstance(value, list) and name in self.per_corner:
-            each = "(first, second)" if len(self.wheels) == 2 else "Corners(fr=, fl=, rr=, rl=)"
             raise TypeError(
-                f"{where} got a list of {len(value)}, which may be wheels or designs; pass {each} for the wheels, or "
-                "numpy.array([...]) for designs"
+                f"{where} got a list of {len(value)}, which may be wheels or designs; pass {self._each()} for the "
+                "wheels, or numpy.array([...]) for designs"
             )
         if isinstance(value, Corners) and name in self.per_corner and len(self.wheels) == 4:
             parts = zip(Corners.__dataclass_fields__, value, strict=True)
             return Corners(**{corner: checked(part, f"{where} at corner {corner}", quantity) for corner, part in parts})
         if isinstance(value, tuple) and name in self.per_corner:
-            if len(self.wheels) != 2 or len(value) != 2:
-                raise ValueError(
-                    f"{where} got the tuple {value!r}; pass one value, or "
-                    + ("(first, second)" if len(self.wheels) == 2 else "Corners(fr=, fl=, rr=, rl=)")
-                )
+            if len(value) == len(self.axles) > 2:
+                value = tuple(value[wheel.axle] for wheel in self.wheels.values())
+            if len(self.wheels) == 4 or len(value) != len(self.wheels):
+                raise ValueError(f"{where} got the tuple {value!r}; pass one value, or {self._each()}")
             ends = zip(self.wheels, value, strict=True)
             return tuple(checked(part, f"{where} at end {end}", quantity) for end, part in ends)
         if isinstance(value, Corners):
-            takes = "(first, second)" if name in self.per_corner else "one value"
+            takes = self._each() if name in self.per_corner else "one value"
             raise TypeError(f"{where} takes {takes}, got Corners")
         return checked(value, where, quantity)
+
+    def _each(self) -> str:
+        """How a parameter is given for each wheel."""
+        if len(self.wheels) == 4:
+            return "Corners(fr=, fl=, rr=, rl=)"
+        return "(first, second)" if len(self.wheels) == 2 else f"(front, middle, rear) or ({', '.join(self.wheels)})"
 
     def leaves(self) -> list[Any]:
         """Every parameter value, those of the corners one by one."""

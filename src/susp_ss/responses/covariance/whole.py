@@ -149,7 +149,10 @@ def whole_variances(
     Those are whose delay is very long, whose wheels warp the road without bound or have no damper, whose damped tyres
     pass on a velocity of finite variance, and which may keep fewer than six digits here.
     """
-    outputs, one = vehicle.layout().outputs, problem(whole, vehicle, road, N)
+    outputs = vehicle.layout().outputs
+    if len(vehicle.axles) > 2:
+        return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)
+    one = problem(whole, vehicle, road, N)
     compliance, delayed = one.compliance(), any(process.weights[1].any() for process in one.excited)
     left, walk = digits.undamped(one.chassis.struts), (0, 0)
     with np.errstate(all="ignore"):
