@@ -14,6 +14,7 @@ ROOMS = (
     "extras",
     "quantities",
     "units",
+    "written",
     "progress",
     "vehicles",
     "roads",

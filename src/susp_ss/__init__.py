@@ -50,7 +50,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
             "sample",
         ],
         "study": ["Scan", "Study", "feasibility_study", "scan_scenarios"],
-        "fit": ["Fit", "LowFidelity", "fit_runs", "load_surrogate", "read_runs"],
+        "fit": ["Fit", "LowFidelity", "fit_runs", "load_surrogate", "read_histories", "read_runs"],
         "presentation": ["plots"],
         "presentation.report": ["report"],
         "presentation.save": ["save"],

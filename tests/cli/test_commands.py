@@ -412,7 +412,7 @@ def test_help_loads_no_numerical_library(arguments):
 
 
 def test_a_measured_spectrum(run, tmp_path):
-    table = "# a survey\nn;G\n\n0.01;6.4e-3\n0.2;1.6e-5\n1;9e-7\n"
+    table = "# a survey\nn;G\n\n0,01;6,4e-3\n0,2;1,6e-5\n1;9e-7\n"
     (tmp_path / "road.csv").write_text(table, encoding="utf-8")
     code, out, _ = run("metrics", "--model", "quarter", "--spectrum", tmp_path / "road.csv", "--json")
     road = ss.Road.from_psd([0.01, 0.2, 1.0], [6.4e-3, 1.6e-5, 9e-7], tracks="isotropic")
@@ -427,8 +427,8 @@ def test_a_measured_spectrum(run, tmp_path):
         ("0.1,0\n1,1e-6\n", "road.csv: psd must be two or more finite numbers > 0 m^3"),
         ("1,1e-6\n0.1,1e-5\n", "road.csv: needs rising wavenumbers"),
         ("0.1,1e-6,3\n", "road.csv, line 1: needs two columns, n (cycle/m) and G_d (m^3), got 3"),
-        ("# survey\n\nn;G\n0.1;1e-5\n0,2;1e-5\n", "road.csv, line 5: 0,2 is written with a decimal comma; write 0.2"),
-        ("0,1;1e-5\n1;1e-6\n", "road.csv, line 1: 0,1 is written with a decimal comma"),
+        ("# survey\n\nn;G\n0.1;1e-5\n0,2;1e-5\n", "road.csv, line 5: 0,2 is written with a decimal comma, but"),
+        ("1.000;2.100\n2.000;1.200\n", "road.csv, line 1: 1.000 may be 1 or 1000, and no other cell tells"),
         ("n,G\n0.1,x\n", "road.csv, line 2: needs a number"),
     ],
 )

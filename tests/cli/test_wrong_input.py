@@ -217,9 +217,21 @@ COMMANDS = [
     ("fit runs.csv --inputs ks,cs --outputs ks", "ks is asked for as an input and as an output"),
     ("fit runs.csv --inputs =ks,cs --outputs bacc", "NAME or COLUMN=NAME"),
     ("fit kilo.csv --inputs ks,cs --outputs bacc", "did you mean 19 N/mm"),
-    ("fit comma.csv --inputs ks,cs --outputs bacc", "decimal comma"),
-    ("fit utf16.csv --inputs ks,cs --outputs bacc", "UTF-16 text"),
-    ("fit latin.csv --inputs ks,cs --outputs bacc", "not UTF-8 text (at line 1"),
+    ("fit comma.csv --inputs ks,cs --outputs bacc", "column 'ks' has a decimal point: 20000.0"),
+    ("fit vague.csv --inputs ks,cs --outputs bacc", "18.500 may be 18.5 or 18500, and no other cell tells"),
+    ("fit vague.csv --inputs ks,cs --outputs bacc --decimal point", 'decimal must be "." or ",", got'),
+    ("fit utf16.csv --inputs ks,cs --outputs bacc", "not UTF-16 text, as its first bytes say"),
+    ("fit latin.csv --inputs ks,cs --outputs bacc", "no column 'ks'"),
+    ("fit runs.csv mg.csv --inputs ks,cs --outputs bacc", "RUNS is one table, got 2 files; pass --histories"),
+    ("fit runs.csv --inputs ks,cs --outputs bacc --cut 5", "--cut is for --histories"),
+    ("fit --histories runs.csv --inputs ks,cs --outputs bacc", "--histories needs --cut"),
+    ("fit --histories runs.csv --inputs ks,cs --outputs bacc --cut 5", "no column 'time', available"),
+    ("fit --histories runs.csv --inputs ks,cs --outputs bacc --cut 5s", "--cut has no unit, got '5s'"),
+    (
+        "fit --histories runs.csv --inputs ks,cs --outputs bacc --cut 0 --time bacc",
+        "the input ks must not change within a run",
+    ),
+    ("fit runs.csv --inputs ks,cs --outputs bacc --sheet A", "sheet names one of an Excel file's"),
     ("fit hole.csv --inputs ks,cs --outputs bacc", "line 3, column 'cs': cs needs a number, got an empty cell"),
     ("fit words.csv --inputs ks,cs --outputs bacc", "got 'n.a.'"),
     ("fit short.csv --inputs ks,cs --outputs bacc", "line 4: needs 3 cells"),
@@ -228,7 +240,7 @@ COMMANDS = [
     ("fit few.csv --inputs ks,cs --outputs bacc", "different designs to fit are fewer"),
     ("fit empty.csv --inputs ks,cs --outputs bacc", "no header, the file has no text"),
     ("fit head.csv --inputs ks,cs --outputs bacc", "no runs, only column names"),
-    ("fit runs.xlsx --inputs ks,cs --outputs bacc", "runs are read from .csv"),
+    ("fit runs.xlsx --inputs ks,cs --outputs bacc", "not a readable Excel file: File is not a zip file"),
     ("fit runs --inputs ks,cs --outputs bacc", "no suffix"),
     ("fit broken.nc --inputs ks,cs --outputs bacc", "not a readable NetCDF file"),
     ("fit broken.parquet --inputs ks,cs --outputs bacc", "not a readable Parquet file"),
@@ -351,7 +363,8 @@ TABLES = {
     "broken.parquet": GOOD,
     "kilo.csv": "ks,cs,bacc\n18,1500,0.7\n20,1400,0.8\n22,1300,0.9\n17,1350,0.8\n",
     "mg.csv": "ks,cs,bacc\n18e3,1500,700\n20e3,1400,690\n22e3,1300,710\n17e3,1350,700\n",
-    "comma.csv": "ks;cs;bacc\n18500,0;1500;0,7\n20000,0;1400;0,8\n",
+    "comma.csv": "ks;cs;bacc\n18500,0;1500;0,7\n20000.0;1400;0,8\n",
+    "vague.csv": "ks;cs;bacc\n18.500;1.500;1.700\n20.000;1.400;1.800\n",
     "hole.csv": "ks,cs,bacc\n18e3,1500,0.7\n20e3,,0.8\n",
     "words.csv": "ks,cs,bacc\n18e3,1500,0.7\n20e3,1400,n.a.\n",
     "short.csv": "ks,cs,bacc\n18e3,1500,0.7\n20e3,1400,0.8\n22e3,1300\n",
@@ -373,7 +386,7 @@ def desk(tmp_path_factory):
     folder = tmp_path_factory.mktemp("desk")
     for name, text in TABLES.items():
         (folder / name).write_text(text)
-    (folder / "utf16.csv").write_text(GOOD, encoding="utf-16")
+    (folder / "utf16.csv").write_bytes(GOOD.encode("utf-16") + b"x")
     (folder / "latin.csv").write_bytes("Weg_in_µm,cs,bacc\n".encode("latin-1"))
     cars = {"full": ss.FullCar(), "car": ss.FullCar(), "quarter": ss.QuarterCar()}
     cars["uneven"] = ss.FullCar(ks=ss.Corners.axles(front=18e3, rear=21e3))

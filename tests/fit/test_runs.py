@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 from susp_ss.fit.runs import read_runs
 from susp_ss.quantities import KNOWN, UNITS
+from susp_ss.written import decoded, number, readings
 
 INPUTS, OUTPUTS = {"ks": "K_S", "cs": "C_S"}, {"bacc": "acc", "sws": "travel"}
 
@@ -54,6 +56,8 @@ def as_file(table, path, units=None, engine="netcdf4"):
     """Write a table as the kind of file that the path's suffix names; NetCDF of version 3 by scipy, 4 by netCDF4."""
     if path.suffix == ".parquet":
         table.to_parquet(path)
+    elif path.suffix == ".xlsx":
+        table.to_excel(path, index=False)
     elif path.suffix == ".nc":
         data = table.rename_axis("run").to_xarray()
         for column, unit in (units or {}).items():
@@ -73,7 +77,7 @@ def assert_same(runs, other):
 # What is read
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".txt", ".tsv", ".CSV", ".parquet", ".nc"])
+@pytest.mark.parametrize("suffix", [".csv", ".txt", ".tsv", ".CSV", ".xlsx", ".parquet", ".nc"])
 def test_every_kind_of_file_gives_the_same_runs(suffix, tmp_path):
     path = as_file(TABLE.assign(comment="none"), tmp_path / f"runs{suffix}")
     runs = read_runs(path, INPUTS, OUTPUTS)
@@ -82,7 +86,8 @@ def test_every_kind_of_file_gives_the_same_runs(suffix, tmp_path):
     assert runs.units == {"ks": "N/m", "cs": "N s/m", "bacc": "m/s^2", "sws": "m"}
     in_rows = suffix in (".parquet", ".nc")
     assert runs.rows.tolist() == ([1, 2, 3, 4] if in_rows else [2, 3, 4, 5])
-    assert runs.place(2, "bacc") == f"{path}, {'row 3' if in_rows else 'line 4'}, column 'acc'"
+    where = "row 3" if in_rows else "row 4" if suffix == ".xlsx" else "line 4"
+    assert runs.place(2, "bacc") == f"{path}, {where}, column 'acc'"
     assert runs.path == path
 
 
@@ -247,13 +252,145 @@ def test_numbers_survive(data, tmp_path_factory):
             csv.writer(file, delimiter=delimiter, quoting=quoting).writerows([header, *[[*units, ""]] * by_row, *rows])
     asked = dict(zip(kinds[:m], header, strict=False))
     inputs, outputs = dict(list(asked.items())[:1]), dict(list(asked.items())[1:])
-    runs = read_runs(path, inputs, outputs, None if by_row else dict(zip(kinds[:m], units, strict=True)))
+    given = None if by_row else dict(zip(kinds[:m], units, strict=True))
+    runs = read_runs(path, inputs, outputs, given, decimal=".")
     assert runs.rows.tolist() == list(range(2 + by_row, 2 + by_row + n))
     for name, written, unit, of in zip(kinds[:m], columns, units, si, strict=True):
         read = (runs.designs if name in inputs else runs.responses)[name]
         for value, there in zip(read, written, strict=True):
             exact = Fraction(there) * Fraction(UNITS[of][unit])
             assert abs(Fraction(float(value)) - exact) <= Fraction(float(np.spacing(value)))
+
+
+# As people's programs write it
+
+GERMAN = "run;K_S;C_S;acc;travel\n;N/mm;;m/s²;mm\n1;18,5;1.200;0,61;8\n2;20;1.500;0,72;7,5\n"
+
+
+@pytest.mark.parametrize(
+    ("raw", "noted"),
+    [
+        (GERMAN.encode(), ""),
+        (GERMAN.encode("cp1252"), "read as Latin-1 (Windows-1252), "),
+        (GERMAN.encode("utf-8-sig"), ""),
+        (GERMAN.encode("utf-16"), "read as UTF-16, "),
+        (GERMAN.encode("utf-16-le"), "read as UTF-16, "),
+        (GERMAN.encode("utf-16-be"), "read as UTF-16, "),
+        (b"sep=;\r\n" + GERMAN.replace("\n", "\r\n").encode(), ""),
+    ],
+)
+def test_a_german_table_in_any_encoding(raw, noted, write):
+    runs = read_runs(write(raw), INPUTS, OUTPUTS)
+    assert runs.designs.to_dict("list") == {"ks": [18500.0, 20000.0], "cs": [1200.0, 1500.0]}
+    np.testing.assert_allclose(runs.responses.sws, [0.008, 0.0075], rtol=1e-15)
+    units = "ks in N/mm, bacc in m/s², sws in mm"
+    assert runs.noted == f"runs.csv: {noted}cells between semicolons, decimal commas, {units}"
+
+
+def test_a_decimal_sign_that_no_cell_shows_may_be_said(write):
+    text = "K_S;acc\n18.500;1.200\n20.000;1.300\n"
+    for decimal, ks in ((".", [18.5, 20.0]), (",", [18500.0, 20000.0])):
+        assert read_runs(write(text), {"ks": "K_S"}, {"bacc": "acc"}, decimal=decimal).designs.ks.tolist() == ks
+    assert read_runs(write(text.replace(";", ",")), {"ks": "K_S"}, {"bacc": "acc"}).designs.ks.tolist() == [18.5, 20.0]
+    with pytest.raises(ValueError, match=r'decimal must be "." or ",", got \'comma\''):
+        read_runs(write(text), {"ks": "K_S"}, {"bacc": "acc"}, decimal="comma")
+
+
+@given(
+    value=st.decimals(-(10**9), 10**9, places=4),
+    places=st.integers(0, 4),
+    sign=st.sampled_from([".", ","]),
+    by=st.sampled_from(["", " ", "'", "\u00a0", "\u202f", "other"]),
+)
+def test_numbers_in_the_habits_of_several_countries(value, places, sign, by):
+    by = {"other": "," if sign == "." else "."}.get(by, by)
+    written = f"{value:,.{places}f}".replace(",", "_").replace(".", sign).replace("_", by)
+    assert number(written, sign) == float(f"{value:.{places}f}")
+    # Only groups of three behind one kind of sign can be read two ways.
+    for misread in readings(written).values():
+        assert misread == number(written, sign) or re.fullmatch(r"-?[1-9][0-9]{0,2}([.,][0-9]{3})+", written)
+
+
+@pytest.mark.parametrize("header", ["ks [N/mm],acc", "Ks (N/mm),acc", "KS[N / mm],acc"])
+def test_a_columns_name_may_state_its_unit(header, write):
+    runs = read_runs(write(f"{header}\n18.5,0.6\n20,0.7\n"), {"ks": "ks"}, {"bacc": "acc"})
+    assert runs.designs.ks.tolist() == [18500.0, 20000.0]
+    assert runs.columns["ks"] == header.split(",")[0]
+    assert runs.noted == f"runs.csv: ks in {header.partition(',')[0][2:].strip(' [()]')}"
+    over = read_runs(write(f"{header}\n18.5,0.6\n20,0.7\n"), {"ks": "ks"}, {"bacc": "acc"}, {"ks": "N/m"})
+    assert over.designs.ks.tolist() == [18.5, 20.0]
+
+
+def test_another_case_is_forgiven_to_names_of_ours_alone(write, refusal):
+    text = "Ks,ACC\n18,0.6\n20,0.7\n"
+    assert read_runs(write(text), {"ks": "ks"}, {"bacc": "ACC"}).designs.ks.tolist() == [18.0, 20.0]
+    assert "no column 'acc', did you mean 'ACC'?" in refusal(text, {"ks": "ks"}, {"bacc": "acc"})
+
+
+def workbook(path, **sheets):
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for title, rows in sheets.items():
+        sheet = book.create_sheet(title)
+        for row in rows:
+            sheet.append(row)
+    book.save(path)
+    return path
+
+
+def test_excel(tmp_path):
+    header = ["run", "Ks [N/mm]", "acc", "travel"]
+    rows = [["Project X, May"], [], header, ["", "", "m/s²", "mm"], [1, 18.5, 0.61, 8], [2, "20,5", 0.72, 7.5]]
+    path = workbook(tmp_path / "runs.xlsx", Notes=[["nothing here"]], Runs=rows)
+    runs = read_runs(path, {"ks": "ks"}, OUTPUTS)
+    assert runs.designs.ks.tolist() == [18500.0, 20500.0]
+    np.testing.assert_allclose(runs.responses.sws, [0.008, 0.0075], rtol=1e-15)
+    assert runs.place(0, "ks") == f"{path}, row 5, column 'Ks [N/mm]'"
+    assert runs.noted == f"{path}: sheet 'Runs', decimal commas, ks in N/mm, bacc in m/s², sws in mm"
+    both = workbook(tmp_path / "both.xlsx", A=rows, B=[header, *[[*row[:2], 9.0, 9.0] for row in rows[4:]]])
+    with pytest.raises(ValueError, match=r"both\.xlsx: the sheets 'A', 'B' have these columns; say which by sheet"):
+        read_runs(both, {"ks": "ks"}, OUTPUTS)
+    assert read_runs(both, {"ks": "ks"}, OUTPUTS, sheet="B").responses.bacc.tolist() == [9.0, 9.0]
+
+
+@pytest.mark.parametrize(
+    ("rows", "expected"),
+    [
+        ([], "runs.xlsx: no header, the sheets have no cells"),
+        ([["K_S", "acc"]], "runs.xlsx: no runs, only column names"),
+        ([["k", "acc"], [1, 2]], "runs.xlsx, sheet 'S', row 1: no column 'K_S', available: 'k', 'acc'"),
+        ([["K_S", "acc"], [1, None], [2, 3]], "runs.xlsx, row 2, column 'acc': bacc needs a number, got an empty cell"),
+        ([["K_S", "acc"], [1, True], [2, 3]], "runs.xlsx, row 2, column 'acc': bacc needs a number, got True"),
+        ([["K_S", "acc"], [1, "x"], [2, 3]], "runs.xlsx, row 2, column 'acc': bacc needs a number, got 'x'"),
+    ],
+)
+def test_excel_is_refused_at_its_place(rows, expected, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    workbook("runs.xlsx", S=rows)
+    with pytest.raises(ValueError, match=r".") as error:
+        read_runs("runs.xlsx", {"ks": "K_S"}, {"bacc": "acc"})
+    assert str(error.value) == expected
+
+
+def test_matlab(tmp_path):
+    from scipy.io import savemat
+
+    columns = {"K_S": np.array([[18.5], [20.0]]), "acc": [0.6, 0.7], "travel": [0.008, 0.007]}
+    savemat(tmp_path / "vectors.mat", {**columns, "note": "rig"})
+    savemat(tmp_path / "struct.mat", {"T": columns, "other": np.eye(3)})
+    for name, noted in (("vectors.mat", ""), ("struct.mat", "struct 'T', ")):
+        path = tmp_path / name
+        runs = read_runs(path, {"ks": "K_S"}, OUTPUTS, {"ks": "N/mm"})
+        assert runs.designs.ks.tolist() == [18500.0, 20000.0]
+        assert runs.place(1, "sws") == f"{path}, row 2, column 'travel'"
+        assert runs.noted == (f"{path}: {noted.rstrip(', ')}" if noted else "")
+    savemat(tmp_path / "uneven.mat", {**columns, "acc": [1.0, 2.0, 3.0]})
+    with pytest.raises(ValueError, match=r"uneven.mat, column 'acc': needs as many numbers as 'K_S', got shape \(3,\)"):
+        read_runs(tmp_path / "uneven.mat", {"ks": "K_S"}, OUTPUTS)
+    with pytest.raises(ValueError, match=r"struct\.mat: no column 'kt', available: 'K_S', 'acc', 'travel'"):
+        read_runs(tmp_path / "struct.mat", {"kt": "kt"}, OUTPUTS)
 
 
 # What is refused
@@ -291,12 +428,22 @@ GOOD = "18,1.2,0.6,8\n20,1.5,0.7,7\n"
         (HEADER + "18,1,0.6,-8e-3\n", "runs.csv, line 2, column 'travel': sws must be finite and >= 0, got -8e-3"),
         (HEADER + "0,1,,x\n", "runs.csv, line 2, column 'K_S': ks must be finite and > 0, got 0"),
         (
-            "K_S;C_S;acc;travel\n12,5;1;2;3\n",
-            "runs.csv, line 2, column 'K_S': 12,5 is written with a decimal comma; write 12.5",
+            "K_S;C_S;acc;travel\n12,5;1;2;3\n13;1;2;0.3\n",
+            "runs.csv, line 2, column 'K_S': 12,5 is written with a decimal comma, but runs.csv, line 3, column "
+            "'travel' has a decimal point: 0.3",
         ),
         (
-            HEADER + '12,"1,5e3",2,3\n',
-            "runs.csv, line 2, column 'C_S': 1,5e3 is written with a decimal comma; write 1.5e3",
+            "K_S;C_S;acc;travel\n12.500;1;2;3\n13;1;2;3\n",
+            "runs.csv, line 2, column 'K_S': 12.500 may be 12.5 or 12500, and no other cell tells; say decimal=\".\" "
+            'or ","',
+        ),
+        (
+            "K_S [kN/m],C_S,acc,travel\nN/mm,,,\n" + GOOD,
+            "runs.csv, line 2, column 'K_S [kN/m]': the column's name says kN/m, got 'N/mm'",
+        ),
+        (
+            "K_S [kN/m],K_S (N/m),C_S,acc,travel\n1,1,1,1,1\n",
+            "runs.csv, line 1: 2 columns may be 'K_S': 'K_S (N/m)', 'K_S [kN/m]'",
         ),
         (
             HEADER + "N/mm,1.2,g,mm\n" + GOOD,
@@ -322,8 +469,9 @@ GOOD = "18,1.2,0.6,8\n20,1.5,0.7,7\n"
         ),
         (HEADER + '18,"1\n', "runs.csv, line 2: not a line of cells: unexpected end of data"),
         (HEADER + GOOD + '18,"1"2,3,4\n', "runs.csv, line 4: not a line of cells: ',' expected after '\"'"),
-        ((HEADER + GOOD).encode() + b"22,\xb2", "runs.csv: not UTF-8 text (at line 4, column 4)"),
-        ((HEADER + GOOD).encode("utf-16"), 'runs.csv: UTF-16 text (as "Unicode" in some programs); save it as UTF-8'),
+        ((HEADER + GOOD).encode() + b"22,\xb2", "runs.csv, line 4: needs 4 cells as the header has, got 2"),
+        (b"\xff\xfe" + b"K_S", "runs.csv: not UTF-16 text, as its first bytes say (at byte 4)"),
+        (b"\xef\xbb\xbfK_S,\xb2", "runs.csv: not UTF-8 text, as its first bytes say (at byte 4)"),
     ],
 )
 def test_text_is_refused_at_its_place(text, expected, refusal):
@@ -352,10 +500,10 @@ def test_what_is_asked_is_refused(inputs, outputs, units, expected, refusal):
     assert refusal(HEADER + GOOD, inputs, outputs, units) == expected
 
 
-@pytest.mark.parametrize("name", ["runs.xlsx", "runs"])
+@pytest.mark.parametrize("name", ["runs.xls", "runs"])
 def test_an_unknown_suffix_is_refused(name, refusal):
-    got = "'.xlsx'" if name == "runs.xlsx" else "'no suffix'"
-    kinds = ".csv, .txt, .tsv, .parquet, .nc"
+    got = "'.xls'" if name == "runs.xls" else "'no suffix'"
+    kinds = ".csv, .txt, .tsv, .xlsx, .xlsm, .parquet, .nc, .mat"
     assert refusal(HEADER + GOOD, name=name) == f"{name}: runs are read from {kinds} files, got {got}"
 
 
@@ -430,7 +578,12 @@ def test_netcdf_refuses_a_unit_of_another_kind_and_outputs_of_other_dims(tmp_pat
 
 @pytest.mark.parametrize(
     ("suffix", "kind", "engine"),
-    [(".parquet", "Parquet", None), (".nc", "NetCDF", "netcdf4"), (".nc", "NetCDF", "scipy")],
+    [
+        (".parquet", "Parquet", None),
+        (".nc", "NetCDF", "netcdf4"),
+        (".nc", "NetCDF", "scipy"),
+        (".xlsx", "Excel", None),
+    ],
 )
 @pytest.mark.parametrize("kept", [0.0, 0.001, 0.1, 0.3, 0.5, 0.7, 0.9, 0.999])
 def test_a_truncated_file_is_refused(suffix, kind, engine, kept, tmp_path):
@@ -443,7 +596,8 @@ def test_a_truncated_file_is_refused(suffix, kind, engine, kept, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("suffix", "library", "extra"), [("parquet", "pyarrow", "parquet"), ("nc", "netCDF4", "netcdf")]
+    ("suffix", "library", "extra"),
+    [("parquet", "pyarrow", "parquet"), ("nc", "netCDF4", "netcdf"), ("xlsx", "openpyxl", "excel")],
 )
 def test_without_a_library_one_line_says_how_to_get_it(suffix, library, extra, tmp_path, missing):
     path = as_file(TABLE, tmp_path / f"runs.{suffix}")
@@ -489,6 +643,6 @@ def test_any_bytes_are_runs_or_refused_in_one_line(raw, tmp_path_factory):
     else:
         assert (runs.designs.to_numpy() > 0.0).all()
         assert np.isfinite(runs.designs.to_numpy()).all()
-        lines = list(io.StringIO(raw.decode(), newline=None))
+        lines = list(io.StringIO(decoded(path)[0], newline=None))
         assert len(runs.rows) == len(runs.designs) == len(runs.responses) < len(lines)
         assert (np.diff(runs.rows) > 0).all()

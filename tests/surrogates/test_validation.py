@@ -240,7 +240,8 @@ def comparison():
 
 def test_the_best_is_the_one_that_made_the_data(comparison):
     table = comparison.table
-    assert comparison.best == "RB"
+    # Rounding decides between the two.
+    assert comparison.best in {"RB", "RB again"}
     assert comparison.baseline == "quadratic"
     assert set(comparison.tied) == {"RB", "RB again"}
     assert table["RMSE"].is_monotonic_increasing
@@ -259,7 +260,7 @@ def test_the_best_is_the_one_that_made_the_data(comparison):
 
 def test_the_gain_is_the_ratio_of_errors(comparison):
     gain = comparison.gain()
-    assert (gain.tuned, gain.baseline) == ("RB", "quadratic")
+    assert (gain.tuned, gain.baseline) == (comparison.best, "quadratic")
     rmse = comparison.table["RMSE"]
     assert gain.ratio == pytest.approx(rmse["quadratic"] / rmse["RB"], rel=1e-12)
     assert 1.0 < gain.low < gain.ratio < gain.high

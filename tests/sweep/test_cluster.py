@@ -241,10 +241,14 @@ def test_workers_write_into_an_object_store(bucket, url, objects, undisturbed, w
 
 
 @needs_s3
-def test_workers_that_do_not_reach_an_object_store(bucket, url, objects, undisturbed, cluster, written_here):
-    """The module's cluster was started before there was a server."""
-    with pytest.warns(UserWarning, match=r"s3://.*zarr: the worker at tcp://.* cannot write there"):
-        sweep(ss.QuarterCar(), ROAD, AXES, url, scheduler=cluster.scheduler_address)
+def test_workers_that_do_not_reach_an_object_store(bucket, url, objects, undisturbed, written_here):
+    """Workers that were started where nobody knew of the server."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("ENDPOINT_URL", "ACCESS_KEY_ID", "SECRET_ACCESS_KEY", "DEFAULT_REGION"):
+            patch.delenv(f"AWS_{name}")
+        apart = LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0")
+    with apart, pytest.warns(UserWarning, match=r"s3://.*zarr: the worker at tcp://.* cannot write there"):
+        sweep(ss.QuarterCar(), ROAD, AXES, url, scheduler=apart.scheduler_address)
     assert len(written_here) == CHUNKS
     assert objects() == undisturbed()
 

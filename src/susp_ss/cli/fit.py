@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from .folder import check_result
-from .options import Force, Json, TrustUnits, built_from, counted, names, road_from_options, vehicle_options
+from .options import Force, Json, TrustUnits, built_from, counted, names, number, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -21,7 +21,12 @@ def run(
     vehicle: "Vehicle",
     road: "Road",
     runs: Annotated[
-        Path, typer.Argument(metavar="RUNS", help="Table of expensive runs: .csv, .txt, .tsv, .parquet or .nc.")
+        list[Path],
+        typer.Argument(
+            metavar="RUNS...",
+            help="Table of expensive runs: .csv, .txt, .tsv, .xlsx, .parquet, .nc or .mat; with --histories one such "
+            "file a run.",
+        ),
     ],
     inputs: Annotated[
         list[str],
@@ -47,6 +52,48 @@ def run(
             metavar="NAME=UNIT,...",
             help="Units of columns, over those that the file states: ks=N/mm,dtl=kN.",
             show_default=False,
+        ),
+    ] = None,
+    decimal: Annotated[
+        str | None,
+        typer.Option(metavar=". or ,", help="Decimal sign of text, where no cell shows it.", show_default=False),
+    ] = None,
+    sheet: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Sheet of an Excel file, where several have the columns.", show_default=False
+        ),
+    ] = None,
+    histories: Annotated[
+        bool,
+        typer.Option(
+            "--histories",
+            help="RUNS are records over time, one file a run, with a column of time; outputs are root mean squares "
+            "about the mean, of damper_power the mean.",
+        ),
+    ] = False,
+    cut: Annotated[
+        str | None,
+        typer.Option(
+            metavar="DURATION", help="Start of each history that is left out, s; 0 for none.", show_default=False
+        ),
+    ] = None,
+    designs: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Table of the inputs of each history, which its column 'file' names; without it each history holds "
+            "them as columns that do not change.",
+            show_default=False,
+        ),
+    ] = None,
+    time: Annotated[
+        str, typer.Option(metavar="COLUMN", help="Column of time of the histories, s unless the file states ms.")
+    ] = "time",
+    weighting: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Weighting of the accelerations of the histories, such as Wk.", show_default=False
         ),
     ] = None,
     at: Annotated[
@@ -103,11 +150,36 @@ def run(
         from ..fit import Fit
 
         check_result(out, Fit, force)
-    asked = {"inputs": _named("--inputs", inputs), "outputs": _named("--outputs", outputs)}
+    columns = _named("--inputs", inputs), _named("--outputs", outputs)
+    stated = _pairs("--units", units or [])
+    of_histories = {"--cut": cut, "--designs": designs, "--weighting": weighting}
+    stray = next((option for option, value in of_histories.items() if value is not None), None)
+    if stray and not histories:
+        raise Refusal(f"{stray} is for --histories")
+    if histories and cut is None:
+        raise Refusal("--histories needs --cut, the start of each run that is left out, in s; 0 for none")
+    if len(runs) > 1 and not histories:
+        raise Refusal(f"RUNS is one table, got {len(runs)} files; pass --histories where each is a run over time")
+    if histories and sheet is not None:
+        raise Refusal("--sheet is for one table of runs")
+    start = number("--cut", cut or "0")
     with refusals():
-        from ..fit import LowFidelity, fit_runs, read_runs
+        from ..fit import LowFidelity, fit_runs, read_histories, read_runs
 
-        table = read_runs(runs, **asked, units=_pairs("--units", units or []))
+        if histories:
+            table = read_histories(
+                runs,
+                *columns,
+                start,
+                designs=designs,
+                time=time,
+                weighting=weighting,
+                units=stated,
+                decimal=decimal,
+                progress=True,
+            )
+        else:
+            table = read_runs(runs[0], *columns, stated, decimal=decimal, sheet=sheet)
         fit = fit_runs(
             table,
             LowFidelity(vehicle, road, at, tune),
@@ -119,6 +191,8 @@ def run(
             random_state=seed,
             progress=True,
         )
+    if table.noted:
+        typer.echo(table.noted, err=True)
     if out is not None:
         from ..presentation.save import save
 

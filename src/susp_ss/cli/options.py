@@ -274,20 +274,27 @@ def _surface(road: "Road", waviness: str | None, knee: str | None, spectrum: Pat
 
 def _spectrum(path: Path) -> "tuple[list[float], list[float]]":
     """Wavenumbers and values of a file of two columns, with or without a line of names."""
-    from ..fit.runs import like_number, records_of
+    from .. import written
 
     with refusals():
-        lines = records_of(path)
-    if lines and not any(map(like_number, lines[0][1])):
-        lines = lines[1:]
-    n, G = [], []
-    for line, cells in lines:
-        where = f"--spectrum {path}, line {line}"
-        if len(cells) != 2:
-            raise Refusal(f"{where}: needs two columns, n (cycle/m) and G_d (m^3), got {len(cells)}")
-        n.append(number(where, cells[0]))
-        G.append(number(where, cells[1]))
-    return n, G
+        records, separator, _ = written.text_table(path)
+    if records and not any(map(written.like_number, records[0][1])):
+        records = records[1:]
+    cells = [(f"--spectrum {path}, line {line}", cell) for line, row in records for cell in row]
+    for line, row in records:
+        if len(row) != 2:
+            raise Refusal(
+                f"--spectrum {path}, line {line}: needs two columns, n (cycle/m) and G_d (m^3), got {len(row)}"
+            )
+    with refusals():
+        sign = written.decimal_sign(cells, separator)
+    values = []
+    for where, cell in cells:
+        value = written.number(cell, sign)
+        if value is None:
+            raise Refusal(f"{where}: needs a number, such as 18500 or 18.5e3, got {cell!r}")
+        values.append(value)
+    return values[::2], values[1::2]
 
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON, SI units, in place of tables.")]

@@ -131,15 +131,22 @@ def filters(given: Any, layout: Layout) -> dict[str, Filter]:
         return {}
     available = [name for name in layout.variables if name != "damper_power"]
     if not isinstance(given, Mapping):
-        one = _filter(given, "weighting")
+        one = filter_of(given, "weighting")
         return {name: one for name in available if name in ACCELERATIONS}
     for name in given:
         if name not in available:
             raise ValueError(f"weighting={{...}}: no output named {briefly(name)}, available: {', '.join(available)}")
-    return {name: _filter(one, f"weighting of {name}") for name, one in given.items() if one is not None}
+    return {name: filter_of(one, f"weighting of {name}") for name, one in given.items() if one is not None}
 
 
-def _filter(given: Any, where: str) -> Filter:
+def filter_of(given: Any, where: str) -> Filter:
+    """A filter by its name or as a system.
+
+    Raises
+    ------
+    TypeError, ValueError
+        No such name, or a system that is unstable, improper or none.
+    """
     return _named(given) if isinstance(given, str) else Filter(given, where)
 
 

@@ -84,15 +84,10 @@ def _surface(road: Road) -> str:
 
 def fit_code(fit: Fit) -> str:
     """Python that makes a fit again from the same file."""
-    runs = fit.runs
-    inputs, outputs = (
-        {str(name): runs.columns[str(name)] for name in frame} for frame in (runs.designs, runs.responses)
-    )
-    read = {"path": str(runs.path), "inputs": inputs, "outputs": outputs, "units": runs.stated}
     return "\n".join(
         [
             "import susp_ss as ss\n",
-            f"runs = {_call('read_runs', read)}",
+            f"runs = {_call(*fit.runs.read)}",
             f"cheap = {_code(fit.low_fidelity)}",
             f"fit = ss.fit_runs(runs, cheap, {', '.join(f'{name}={value!r}' for name, value in fit.asked.items())})",
             "ss.save(fit, 'fit')",

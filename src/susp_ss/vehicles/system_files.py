@@ -57,7 +57,7 @@ def read_system(path: str | PathLike[str], like: RoadVehicle | None = None) -> L
     LinearVehicle(1 states, 1 outputs, wheels one)
     """
     path = Path(path)
-    table = _matlab(path) if path.suffix.lower() == ".mat" else _json(path)
+    table = matlab_variables(path) if path.suffix.lower() == ".mat" else _json(path)
     try:
         return _vehicle(table, like)
     except (ValueError, TypeError) as error:
@@ -120,7 +120,16 @@ def _json(path: Path) -> dict[str, Any]:
     return table
 
 
-def _matlab(path: Path) -> dict[str, Any]:
+def matlab_variables(path: Path) -> dict[str, Any]:
+    """The variables of a MATLAB file: numbers and arrays, structs as dictionaries.
+
+    Raises
+    ------
+    OSError
+        The file cannot be read.
+    ValueError
+        It is none of MATLAB 5 to 7.
+    """
     from scipy.io import loadmat
 
     try:
