@@ -307,5 +307,6 @@ def test_bounds_on_turns_hold():
     _, flat, _ = spanned(apart(1.0), ss.Road())
     problem = whole.problem(flat.whole(), flat, ss.Road(), 1)
     roots = np.roots(struts.linked(problem.chassis).D[::-1, 0])
-    bound = digits.turns(problem.stiffened(), problem.compliance(), problem.tau)
-    assert np.abs(roots).max() * problem.tau <= bound <= 3.0 * np.abs(roots).max() * problem.tau
+    (tau,) = problem.delays.values()
+    bound = digits.turns(problem.stiffened(), problem.compliance(), tau)
+    assert np.abs(roots).max() * tau <= bound <= 3.0 * np.abs(roots).max() * tau
