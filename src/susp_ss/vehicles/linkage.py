@@ -132,13 +132,13 @@ class Linkage:
     corners : dict
         `Corner` by name.
     points : dict
-        Points (name -> Motion) whose vertical acceleration is an output.
+        Points of the body (name -> Motion) whose vertical acceleration is an output.
     rotations : dict
         Body rotations (name of their acceleration -> Motion).
     bars : dict
         Anti-roll bars: stiffness along the difference of the suspension deflections of two corners (pair of names).
     seats : dict
-        `Cushion` by the name of the seat.
+        `Cushion` by the name of the seat, at which the rider's acceleration is an output.
     links : sequence of Link
         Beyond corners, bars and seats.
     warps : sequence of Motion
@@ -168,6 +168,7 @@ class Linkage:
             first,
             *rotations,
             *others,
+            *(Output(bacc, name, acceleration=seat.rider) for name, seat in self.seats.items()),
             *(Output(sws, name, elongation={corner.suspension: 1.0}) for name, corner in corners),
             *(Output(dtl, name, elongation=_stiff(corner.tyre), rate=_damped(corner.tyre)) for name, corner in corners),
             *(Output(METRICS["seat_travel"], name, elongation={seat.link: 1.0}) for name, seat in self.seats.items()),

@@ -42,7 +42,7 @@ def checked_points(given: Any, kind: str, linkage: Linkage) -> Places:
     for name, place in given.items():
         if not isinstance(name, str) or not name:
             raise TypeError(f"points must have names, got {briefly(name)}; pass {need}")
-        if name in linkage.points:
+        if name in linkage.points or name in linkage.seats:
             raise ValueError(f"points: {name!r} is a point of {kind} already; pass another name")
         numbers = isinstance(place, (tuple, list)) and len(place) == 2
         if not numbers or not all(isinstance(x, (int, float, np.number)) and np.isfinite(x) for x in place):

@@ -142,6 +142,6 @@ class QuarterCarWithSeat(Vehicle):
         return Linkage(
             masses={wheel: self.mu, body: self.ms, driver: self.seat_mass},
             corners={"": Corner(road, wheel, body, self.ks, self.cs, self.kt, self.ct)},
-            points={"body": body, "driver": driver},
+            points={"body": body},
             seats={"driver": Cushion(driver, body, self.seat_ks, self.seat_cs)},
         )

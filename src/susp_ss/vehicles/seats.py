@@ -89,7 +89,7 @@ def checked_seats(given: Any, kind: str, linkage: Linkage) -> dict[str, Any]:
         raise ValueError(
             f"seats: the body of a {kind} moves as one point; take QuarterCarWithSeat, or a car with pitch"
         )
-    fields, taken = {}, set(linkage.points)
+    fields, taken = {}, {*linkage.points, *linkage.seats}
     for name, seat in given.items():
         if not isinstance(name, str) or not name.isidentifier():
             raise TypeError(f"seats must have plain names such as 'driver', got {briefly(name)}")
@@ -123,7 +123,7 @@ def with_seats(kind: Any, names: tuple[str, ...], fields: tuple[str, ...]) -> An
             (rider,) = coordinates(f"z_seat_{name}")
             floor = body_point(own, seat["x"], seat["y"])
             masses[rider], seats[name] = seat["mass"], Cushion(rider, floor, seat["ks"], seat["cs"])
-            points |= {floor_of(name): floor, name: rider}
+            points[floor_of(name)] = floor
         return dataclasses.replace(own, masses=masses, points=points, seats=seats)
 
     def reduce(self: Any) -> tuple[Any, ...]:

@@ -46,7 +46,7 @@ class Stirred(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """Struts at the corners ``places`` on the road's processes, as arrays over N designs.
+    """Struts at the corners and ``seats`` that ``places`` name, on the road's processes, as arrays over N designs.
 
     ``points`` are the accelerations by name, each with its share of every coordinate of the body (B, N).
     """
@@ -56,6 +56,7 @@ class Problem(NamedTuple):
     points: dict[str, Array]
     excited: tuple[Stirred, ...]
     taus: Array
+    seats: tuple[str, ...]
 
     @property
     def delays(self) -> dict[tuple[int, int], Array]:
@@ -81,9 +82,15 @@ class Problem(NamedTuple):
         loads = np.where(chassis.struts[:, 4] > 0.0, damped, chassis.struts[:, 3] ** 2 * tyres)
         largest = self._largest(deflections, rates)
         out = {name: self._acceleration(share, body, largest) for name, share in self.points.items()}
+        corners = self.places[: S - len(self.seats)]
         at_corners = {"sws": deflections, "dtl": loads, "sws_rate": rates, "tyre_deflection": tyres}
         for name, values in at_corners.items():
-            out |= {signal(name, corner): variance for corner, variance in zip(self.places, values, strict=True)}
+            out |= {signal(name, corner): variance for corner, variance in zip(corners, values, strict=False)}
+        for i, seat in enumerate(self.seats, len(corners)):
+            # The cushion's force is all that moves the rider, and deflection and rate do not correlate.
+            mass, ks, cs, _, _ = chassis.struts[i]
+            felt = (ks**2 * deflections[i] + cs**2 * rates[i]) / mass**2
+            out |= {signal("bacc", seat): felt, signal("seat_travel", seat): deflections[i]}
         return out
 
     def _largest(self, deflections: Array, rates: Array) -> Array:
@@ -133,7 +140,8 @@ def problem(whole: OnStruts, vehicle: RoadVehicle, road: Road, N: int) -> Proble
     def stirred(process: Process) -> Stirred:
         spectrum = colours(road, process.share, process.sign, width)
         axles = process.axles.tolist()
-        return Stirred(axles, process.weights[axles], steep(process, road), as_track(spectrum))
+        weights = np.pad(process.weights[axles], [(0, 0), (0, len(whole.seats))])
+        return Stirred(axles, weights, steep(process, road), as_track(spectrum))
 
     return Problem(
         places=tuple(name for (name,) in corners),
@@ -150,6 +158,7 @@ def problem(whole: OnStruts, vehicle: RoadVehicle, road: Road, N: int) -> Proble
         },
         excited=tuple(stirred(process) for process in processes(vehicle, road)),
         taus=columns(N, delays(vehicle, road)),
+        seats=whole.seats,
     )
 
 
