@@ -517,6 +517,126 @@ def bicycle_gains(L, b, m_rear, C_rear, K, U):
     return r, U * r, (b - m_rear * U**2 / C_rear) / (L + K * U**2)
 
 
+def truck_matrices(mb, ixx, iyy, ahead, c, wheels, mu, ks, cs, kt, ct, bars):
+    """A rigid body on any number of axles, coordinates (one height a wheel, z_b, theta, phi).
+
+    ``wheels`` name (axle, side); ``ahead`` is how far each axle lies ahead of the centre of gravity, ``mu`` to ``ct``
+    sequences in the order of the wheels, ``bars`` the stiffness of each axle's anti-roll bar.
+    """
+    names = tuple(wheels)
+    mu, ks, cs, kt, ct = (_per_wheel(value, names) for value in (mu, ks, cs, kt, ct))
+
+    def over(q, name):
+        axle, side = wheels[name]
+        return q["z_b"] - ahead[axle] * q["theta"] + side * c * q["phi"]
+
+    def accelerations(z, dz, zr, dzr):
+        deflection = {name: z[f"z_u_{name}"] - over(z, name) for name in names}
+        force = {}
+        for name, (axle, side) in wheels.items():
+            (other,) = (one for one, place in wheels.items() if place[0] == axle and place[1] == -side)
+            force[name] = ks[name] * deflection[name] + cs[name] * (dz[f"z_u_{name}"] - over(dz, name))
+            force[name] += bars[axle] * (deflection[name] - deflection[other])
+        hops = {
+            f"z_u_{name}": (
+                kt[name] * (zr[name] - z[f"z_u_{name}"]) + ct[name] * (dzr[name] - dz[f"z_u_{name}"]) - force[name]
+            )
+            / mu[name]
+            for name in names
+        }
+        return hops | {
+            "z_b": sum(force.values()) / mb,
+            "theta": sum(-ahead[wheels[name][0]] * f for name, f in force.items()) / iyy,
+            "phi": sum(wheels[name][1] * c * f for name, f in force.items()) / ixx,
+        }
+
+    coordinates = (*(f"z_u_{name}" for name in names), "z_b", "theta", "phi")
+    inertia = {f"z_u_{name}": mu[name] for name in names} | {"z_b": mb, "theta": iyy, "phi": ixx}
+    points = {name: {"z_b": 1.0, "theta": -ahead[axle], "phi": side * c} for name, (axle, side) in wheels.items()}
+    outputs = _outputs(
+        coordinates,
+        names,
+        {"cg": {"z_b": 1.0}} | points,
+        {name: (f"z_u_{name}", name) for name in names},
+        {"pitch_acc": "theta", "roll_acc": "phi"},
+        kt,
+        ct,
+    )
+    return Model(*_matrices(accelerations, coordinates, names, inertia), coordinates, names, cs, outputs)
+
+
+def variance_impulses(model, lags, tracks, q):
+    """Variances on white road velocity of intensity q, met by wheel after wheel: no spectrum, no cross-correlation.
+
+    ``E[y^2] = q int h(t)^2 dt`` with h the answer to a step of one road's height, which reaches each wheel of its
+    track after its own of the ``lags``: between two of these, a free decay towards where the vehicle would stand, whose
+    integral is a difference of two Lyapunov solutions. ``tracks`` are the wheels of each independent road. No damping
+    of tyres.
+    """
+    n = len(model.coordinates)
+    A = np.block(
+        [[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(model.M, model.K), -np.linalg.solve(model.M, model.C)]]
+    )
+    forced = np.linalg.solve(model.M, model.K_in)
+    rows, feeds = [], []
+    for output in model.outputs.values():
+        row = np.concatenate([output.q, output.v]) + output.a @ A[n:]
+        rows.append(row)
+        feeds.append(output.r + output.a @ forced)
+    C, D = np.array(rows, dtype=float), np.array(feeds, dtype=float)
+    total = np.zeros(len(C))
+    for wheels in tracks:
+        heights, x = np.zeros(len(model.wheels)), np.zeros(2 * n)
+        times = sorted({lags[wheel] for wheel in wheels})
+        for now, later in zip(times, [*times[1:], None], strict=True):
+            for i, wheel in enumerate(model.wheels):
+                if wheel in wheels and lags[wheel] == now:
+                    heights[i] = 1.0
+            still = np.concatenate([np.linalg.solve(model.K, model.K_in @ heights), np.zeros(n)])
+            start, constant = x - still, C @ still + D @ heights
+            end = np.zeros(2 * n) if later is None else scipy.linalg.expm(A * (later - now)) @ start
+            X = scipy.linalg.solve_continuous_lyapunov(A, np.outer(end, end) - np.outer(start, start))
+            total += np.einsum("oi,ij,oj->o", C, X, C)
+            if later is None:
+                np.testing.assert_allclose(constant, 0.0, atol=1e-9 * np.abs(C).max())
+            else:
+                total += 2.0 * constant * (C @ np.linalg.solve(A, end - start)) + constant**2 * (later - now)
+            x = still + end
+    return dict(zip(model.outputs, q * total, strict=True))
+
+
+def with_seat(model, name, floor, mass, ks, cs):
+    """A model with one more coordinate, ``mass z'' = ks (z_f - z) + cs (z_f' - z')``, and its reaction on the floor.
+
+    ``z_f = floor . q`` is the height of the floor. Outputs: the accelerations of both, and ``z_f - z``.
+    """
+    n, wheels = len(model.coordinates), len(model.wheels)
+    floor = np.array([floor.get(coordinate, 0.0) for coordinate in model.coordinates])
+    M, C, K = (np.zeros((n + 1, n + 1), dtype=np.asarray(matrix).dtype) for matrix in model[:3])
+    for grown, matrix in zip((M, C, K), model[:3], strict=True):
+        grown[:n, :n] = matrix
+    M[n, n] = mass
+    for matrix, rate in ((C, cs), (K, ks)):
+        for i in range(n):
+            for j in range(n):
+                matrix[i, j] += rate * floor[i] * floor[j]
+            matrix[i, n] = matrix[n, i] = -rate * floor[i]
+        matrix[n, n] = rate
+    still, ground = np.zeros(n + 1), np.zeros(wheels)
+    rider, under = np.append(np.zeros(n), 1.0), np.append(floor, 0.0)
+    outputs = {
+        output: Output(*(np.append(row, 0.0) for row in (own.q, own.v, own.a)), own.r, own.w)
+        for output, own in model.outputs.items()
+    }
+    outputs[f"bacc_{name}"] = Output(still, still, rider, ground, ground)
+    outputs[f"bacc_{name}_floor"] = Output(still, still, under, ground, ground)
+    outputs[f"seat_travel_{name}"] = Output(rider - under, still, still, ground, ground)
+    K_in, C_in = (np.vstack([matrix, np.zeros((1, wheels), dtype=matrix.dtype)]) for matrix in model[3:5])
+    return model._replace(
+        M=M, C=C, K=K, K_in=K_in, C_in=C_in, coordinates=(*model.coordinates, f"z_{name}"), outputs=outputs
+    )
+
+
 # ---------------------------------------------------------------------------------------------------- roads
 
 

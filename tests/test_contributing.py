@@ -60,27 +60,31 @@ def test_a_new_vehicle_has_every_route(recipe):
     metrics = agree(car, ss.Road.iso8608("C", speed=15.0))
     assert metrics.bacc.point.values.tolist() == ["body", "driver"]
     assert metrics.sws.dims == ()
-    assert len(car.natural_frequencies()) == 3
+    assert len(car.natural_frequencies()) == 4
 
 
 def test_a_new_vehicle_obeys_its_equations(recipe):
-    """Newton's second law of three masses, written out, in the road's frame."""
+    """Newton's second law of four masses, one on the other, written out in the road's frame."""
     car, road = recipe("seated").SeatedQuarterCar(md=80.0, kd=25e3), ss.Road()
-    M = np.diag([car.mu, car.ms, car.md])
-    K = np.array([[car.kt + car.ks, -car.ks, 0], [-car.ks, car.ks + car.kd, -car.kd], [0, -car.kd, car.kd]])
-    C = np.array([[car.cs, -car.cs, 0], [-car.cs, car.cs + car.cd, -car.cd], [0, -car.cd, car.cd]])
+    M = np.diag([car.mu, car.ms, car.mf, car.md])
+
+    def chain(below, *rates):
+        matrix = np.diag([below + rates[0], rates[0] + rates[1], rates[1] + rates[2], rates[2]])
+        return matrix - np.diag(rates, 1) - np.diag(rates, -1)
+
+    K, C = chain(car.kt, car.ks, car.kf, car.kd), chain(0.0, car.cs, car.cf, car.cd)
     on_K, on_C = (np.linalg.solve(M, matrix) for matrix in (K, C))
-    A = np.block([[np.zeros((3, 3)), np.eye(3)], [-on_K, -on_C]])
-    B = np.r_[-np.ones(3), np.zeros(3)]
+    A = np.block([[np.zeros((4, 4)), np.eye(4)], [-on_K, -on_C]])
+    B = np.r_[-np.ones(4), np.zeros(4)]
     X = scipy.linalg.solve_continuous_lyapunov(A, -road.intensity * np.outer(B, B))
-    metrics, driver = ss.ride_metrics(car, road), np.r_[-on_K[2], -on_C[2]]
+    metrics, driver = ss.ride_metrics(car, road), np.r_[-on_K[3], -on_C[3]]
     np.testing.assert_allclose(float(metrics.bacc.sel(point="driver")) ** 2, driver @ X @ driver, rtol=1e-9)
     np.testing.assert_allclose(float(metrics.dtl) ** 2, car.kt**2 * X[0, 0], rtol=1e-9)
 
 
 def test_a_new_vehicle_goes_wherever_a_vehicle_goes(recipe):
     car, road = recipe("seated").SeatedQuarterCar(), ss.Road()
-    cars = type(car)(kd=np.array([10e3, 18e3, 30e3]), cs=np.array([1e3, 1516.5, 2e3]))
+    cars = type(car)(kd=np.array([20e3, 35e3, 50e3]), cs=np.array([1e3, 1516.5, 2e3]))
     swept = ss.ride_metrics(cars, road)
     np.testing.assert_allclose(swept.bacc.isel(design=1), ss.ride_metrics(car, road).bacc, rtol=1e-12)
     step = 1e-4
@@ -92,7 +96,7 @@ def test_a_new_vehicle_goes_wherever_a_vehicle_goes(recipe):
     system = car.state_space(input="velocity")
     norm = control.norm(system["bacc_driver", "dz_r"], 2)
     np.testing.assert_allclose(norm * np.sqrt(road.intensity), float(response([[car.kd, car.cs]])[0]), rtol=1e-6)
-    assert len(ss.plots.mode_shapes(car).axes) == 3
+    assert len(ss.plots.mode_shapes(car).axes) == 4
     heavy = type(car)(md=1e6).natural_frequencies()
     assert heavy[0] < 0.1
     with pytest.raises(ValueError, match=r"SeatedQuarterCar\(kd=...\) must be > 0 N/m, got -1.0"):
@@ -105,7 +109,7 @@ def test_an_undamped_seat_is_told_by_its_eigenvalues(recipe):
     car = recipe("seated").SeatedQuarterCar
     assert np.isfinite(ss.ride_metrics(car(cd=0.0), ss.Road()).bacc).all()
     with pytest.raises(ValueError, match="no damper reaches"):
-        ss.ride_metrics(car(cs=0.0, cd=0.0), ss.Road())
+        ss.ride_metrics(car(cs=0.0, cf=0.0, cd=0.0), ss.Road())
 
 
 def test_a_quarter_car_with_a_seat_has_no_quarter_car_s_closed_form(recipe):

@@ -26,6 +26,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "vehicles.curves": ["DamperCurve", "SpringCurve"],
         "vehicles.linear": ["LinearVehicle"],
         "vehicles.parameters": ["Corners"],
+        "vehicles.seats": ["Seat"],
         "roads": ["DEFAULT_ROAD", "Road"],
         "responses": ["frequency_response", "psd", "simulate"],
         "responses.covariance": ["covariance", "linearised"],

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 class Quantity(NamedTuple):
     """What a name stands for.
 
-    ``unit`` is the SI unit, ``bound`` what its values must be (``"> 0"``, ``">= 0"`` or nothing), ``shown`` the unit of
-    pictures where that is another, ``dim`` what its places are, of a result the dim along which they lie,
+    ``unit`` is the SI unit, ``bound`` what its values must be (``"> 0"``, ``">= 0"`` or just finite), ``shown`` the
+    unit of pictures where that is another, ``dim`` what its places are, of a result the dim along which they lie,
     ``statistic`` what a ride metric is of the momentary value, and ``known`` the least and the largest value that road
     vehicles and roads have, from karts to trucks; zero is known where the bound admits it.
     """
@@ -49,6 +49,7 @@ PARAMETERS = _table(
     Quantity("iyy", "kg m^2", "pitch inertia", "I_yy", "> 0", known=(1.0, 5e5)),
     Quantity("a", "m", "front axle to centre of gravity", "a", "> 0", known=(0.1, 10.0)),
     Quantity("b", "m", "rear axle to centre of gravity", "b", "> 0", known=(0.1, 10.0)),
+    Quantity("middle", "m", "middle axle behind the centre of gravity", known=(0.01, 10.0)),
     Quantity("c", "m", "half track width", "c", "> 0", known=(0.1, 2.0)),
     Quantity("ks", "N/m", "spring stiffness", "K_s", "> 0", "kN/m", dim="corner", known=(1e3, 5e6)),
     Quantity("cs", "N s/m", "damping rate", "C_s", ">= 0", "kN s/m", dim="corner", known=(20.0, 1e6)),
@@ -56,7 +57,11 @@ PARAMETERS = _table(
     Quantity("ct", "N s/m", "tyre damping", "C_t", ">= 0", dim="corner", known=(1.0, 1e5)),
     Quantity("arb", "N/m", "anti-roll bar of one axle", "", ">= 0", known=(100.0, 1e7)),
     Quantity("arb_front", "N/m", "front anti-roll bar", "", ">= 0", known=(100.0, 1e7)),
+    Quantity("arb_middle", "N/m", "middle anti-roll bar", "", ">= 0", known=(100.0, 1e7)),
     Quantity("arb_rear", "N/m", "rear anti-roll bar", "", ">= 0", known=(100.0, 1e7)),
+    Quantity("seat_mass", "kg", "mass on the seat", "", "> 0", known=(1.0, 500.0)),
+    Quantity("seat_ks", "N/m", "seat stiffness", "", "> 0", "kN/m", known=(500.0, 1e6)),
+    Quantity("seat_cs", "N s/m", "seat damping rate", "", ">= 0", "kN s/m", known=(10.0, 1e5)),
 )
 """Parameters of vehicles, in the symbols of the study."""
 
@@ -107,6 +112,7 @@ METRICS = _table(
     ),
     Quantity("tyre_deflection", "m", "tyre deflection", "", ">= 0", "mm", "corner", known=(1e-7, 0.3)),
     Quantity("sws_rate", "m/s", "suspension velocity", "", ">= 0", dim="corner", known=(1e-5, 50.0)),
+    Quantity("seat_travel", "m", "seat deflection", "", ">= 0", "mm", "seat", known=(1e-6, 1.0)),
 )
 """Variables of `susp_ss.ride_metrics`, in their order."""
 
@@ -154,6 +160,9 @@ UNITS: dict[str, dict[str, float]] = {
 CORNERS = {"fr": "front right", "fl": "front left", "rr": "rear right", "rl": "rear left"}
 """Corners of a car, in the order of every result."""
 
+MIDDLE = {"mr": "middle right", "ml": "middle left"}
+"""Wheels between them, of three axles."""
+
 GROUPS = {
     "front": frozenset({"fr", "fl"}),
     "rear": frozenset({"rr", "rl"}),
@@ -162,10 +171,10 @@ GROUPS = {
 }
 """Corners that a word stands for."""
 
-PLACES = {"cg", *CORNERS, *GROUPS, "f", "r", "l"}
-"""What may follow the name of a quantity: corners, groups of them, ends and sides of half cars, and ``cg``."""
+PLACES = {"cg", *CORNERS, *MIDDLE, "middle", *GROUPS, "f", "r", "l"}
+"""What may follow the name of a quantity: wheels, groups of them, ends and sides of half cars, and ``cg``."""
 
-DIMS = ("point", "corner", "axle", "state", "state_", "output", "input", "frequency", "time")
+DIMS = ("point", "corner", "axle", "seat", "state", "state_", "output", "input", "frequency", "time")
 """Dims of results."""
 
 
@@ -190,8 +199,9 @@ def metric_and_place(name: str) -> tuple[str, str | None]:
     >>> metric_and_place("sws_rr"), metric_and_place("pitch_acc")
     (('sws', 'rr'), ('pitch_acc', None))
     """
-    metric, _, place = name.rpartition("_")
-    return (metric, place) if metric in METRICS else (name, None)
+    found = [metric for metric in METRICS if name.startswith(f"{metric}_")] if name not in METRICS else []
+    metric = max(found, key=len, default=name)
+    return (metric, name.removeprefix(f"{metric}_")) if found else (name, None)
 
 
 def unit_of(output: str) -> str:

@@ -275,7 +275,7 @@ REFUSED = {
     "no damping": ("metrics --cs 0", "cs > 0"),
     "field of another model": ("metrics --model quarter --mb 900", "--mb: QuarterCar", "ms, mu, ks, cs, kt, ct"),
     "bar of another model": ("bode --arb-front 1 --model roll-half", "--arb-front: RollHalfCar"),
-    "unknown model": ("metrics --model truck", "'truck'", "full, quarter, rigid-tyre, pitch-half, roll-half"),
+    "unknown model": ("metrics --model truck", "'truck'", "full, quarter, quarter-seat, rigid-tyre"),
     "model and file": ("metrics --model full --vehicle quarter.toml", "--model full", "'quarter'"),
     "file missing": ("metrics --vehicle none.toml", "none.toml: No such file"),
     "file is a folder": ("metrics --vehicle .", ".: Is a directory"),

@@ -231,7 +231,7 @@ def test_points_of_a_rigid_body():
         (ss.FullCar(), {"a": 1.0}, ValueError, "two finite numbers"),
         (ss.FullCar(), {"a": (np.nan, 0)}, ValueError, "two finite numbers"),
         (ss.FullCar(), {1: (0, 0)}, TypeError, "must have names"),
-        (ss.PitchHalfCar(), {"a": (0.0, 0.3)}, ValueError, "lies 0.3 m left, where a PitchHalfCar has no body"),
+        (ss.PitchHalfCar(), {"a": (0.0, 0.3)}, ValueError, "lies 0.3 m to the left, where a PitchHalfCar has no body"),
         (ss.RollHalfCar(), {"a": (0.3, 0.0)}, ValueError, "lies 0.3 m ahead"),
         (ss.QuarterCar(), {"a": (0.0, 0.0)}, ValueError, "moves as one point"),
     ],

@@ -83,6 +83,7 @@ def run(
     With --model ride-handling also ay (m/s^2), yaw_rate (rad/s), sideslip, roll and
     slip_angle (rad), load_transfer (N) of each axle and load_transfer_ratio.
     ride_height_shift: mean suspension deflection (m), of a vehicle file with curves of springs or dampers
+    seat_travel: deflection of a seat of the vehicle file (m)
 
     An infinite variance shows as inf, in JSON as the text "inf".
     """

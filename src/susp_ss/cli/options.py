@@ -12,7 +12,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from ..quantities import CORNERS, GROUPS, PARAMETERS, ROAD, STEERED, Quantity, signal
+from ..quantities import CORNERS, GROUPS, MIDDLE, PARAMETERS, ROAD, STEERED, Quantity, signal
 from ..units import implausible, in_si, likely, split_unit, stated
 from ..vehicles import MODELS
 from .refusals import Refusal, refusals
@@ -126,7 +126,9 @@ def vehicle_options(
             parameters.append(value(name, quantity, ", each wheel" if quantity.dim else "", hidden))
             if quantity.dim:
                 shown = {place: f" of the {place} wheels" for place in ("front", "rear")}
-                others = (place for place in (*CORNERS, "f", "r", "l", *GROUPS) if place not in shown)
+                others = (
+                    place for place in (*CORNERS, *MIDDLE, "f", "r", "l", "middle", *GROUPS) if place not in shown
+                )
                 parameters += [value(signal(name, place), quantity, where, hidden) for place, where in shown.items()]
                 parameters += [value(signal(name, place), quantity, "", hidden=True) for place in others]
     model = optional(
@@ -170,7 +172,7 @@ def _vehicle(option: str, default: str, model: str | None, file: Path | None, tr
         if file is None:
             return model_named(default if model is None else model)()
         car = read_vehicle(file, trust_units)
-        if model is not None and type(car) is not model_named(model):
+        if model is not None and model_name(car) != model:
             raise Refusal(f"{flag(option)} {model}, but {file} holds the model {model_name(car)!r}")
         return car
 

@@ -32,7 +32,7 @@ def ride_metrics(
     Parameters
     ----------
     vehicle : Vehicle
-        Any of the five models, or a `LinearVehicle`. Parameters that are arrays make a sweep, whose dims come first in
+        Any of the models, or a `LinearVehicle`. Parameters that are arrays make a sweep, whose dims come first in
         the result. If one is a DataArray of Dask blocks, so is the result: each block's values are checked when it is
         computed.
     road : Road
@@ -64,9 +64,9 @@ def ride_metrics(
     xarray.Dataset
         ``bacc`` (m/s^2) on point (cg, above each corner, and the ``points``), ``sws`` (m), ``dtl`` (N), the mean
         ``damper_power`` (W), ``tyre_deflection`` (m) and ``sws_rate`` (m/s) on corner, ``pitch_acc`` and ``roll_acc``
-        (rad/s^2) where the vehicle has them; a quarter car has no point or corner. ``"time"`` adds
-        ``<name>_stderr``. A variance that white road velocity makes infinite (tyre load with tyre damping;
-        acceleration, tyre load and damper power on a rigid tyre) is `inf`.
+        (rad/s^2) where the vehicle has them, ``seat_travel`` (m) on seat; a quarter car has no point or corner.
+        ``"time"`` adds ``<name>_stderr``. A variance that white road velocity makes infinite (tyre load with tyre
+        damping; acceleration, tyre load and damper power on a rigid tyre) is `inf`.
 
     Raises
     ------

@@ -44,7 +44,7 @@ def sensitivity(
     Parameters
     ----------
     vehicle : Vehicle
-        Any of the five models, or a sweep of one.
+        Any of the models, or a sweep of one.
     road : Road
     parameters : sequence of str
         Fields of the vehicle; of a field that a corner may have for itself, ``"ks"`` is a common change at all

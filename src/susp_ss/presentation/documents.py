@@ -10,7 +10,7 @@ import pandas as pd
 from ..fit.fitting import Fit
 from ..study.feasibility import Study
 from ..study.published import CRITERIA, SURROGATES
-from ..vehicles.files import models, vehicle_table
+from ..vehicles.files import in_file, vehicle_table
 from ..vehicles.vehicle import Vehicle
 from .versions import versions
 
@@ -48,7 +48,7 @@ def study_document(study: Study) -> dict[str, Any]:
 
 def _vehicle(vehicle: Vehicle) -> dict[str, Any] | str:
     """A vehicle as a file holds it; one of a kind that no file holds by its name."""
-    return vehicle_table(vehicle) if type(vehicle) in models().values() else type(vehicle).__name__
+    return vehicle_table(vehicle) if in_file(vehicle) else type(vehicle).__name__
 
 
 def _nested(frame: pd.DataFrame) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""How a road excites a vehicle's wheels: independent processes, each met by the front and, later, the rear wheels.
+"""How a road excites a vehicle's wheels: independent processes, each met by one axle after the other.
 
 Two tracks split into their mean ``m`` and half difference ``d`` (left is ``m + d``), which are uncorrelated whatever
 the coherence of the tracks; identical tracks and single-track vehicles have a mean alone.
@@ -22,15 +22,25 @@ DRIFT = 1e-9
 
 
 class Process(NamedTuple):
-    """One scalar random process: which wheels it drives at once (``now``) and which a wheelbase later (``later``).
+    """One scalar random process: how much of it the wheels of each axle see, (axles, wheels), each after its `delays`.
 
     Its spectrum is ``share + 0.5 * sign * gamma`` times that of one track.
     """
 
-    now: NDArray[np.float64]
-    later: NDArray[np.float64]
+    weights: NDArray[np.float64]
     share: float
     sign: int
+
+    @property
+    def axles(self) -> NDArray[np.int_]:
+        """Those that it excites; the first if it is none."""
+        excited = np.flatnonzero(self.weights.any(axis=1))
+        return excited if len(excited) else np.zeros(1, dtype=int)
+
+    @property
+    def delayed(self) -> bool:
+        """Whether some wheels see it later than others may."""
+        return bool(self.weights[1:].any())
 
 
 def check_kinds(vehicle: Any, *roads: Any) -> None:
@@ -73,11 +83,11 @@ def processes(vehicle: RoadVehicle, road: Road) -> list[Process]:
             available = ", ".join(names) or f"none, a {type(vehicle).__name__} has one wheel without a name"
             raise ValueError(f"Road(wheels=...): no wheel named {name!r}, available: {available}")
     excited = np.array([road.wheels is None or name in road.wheels for name in names], dtype=float)
-    rear = np.array([road.delay and wheel.axle == 1 for wheel in vehicle.wheels.values()])
+    axle = np.array([wheel.axle if road.delay else 0 for wheel in vehicle.wheels.values()])
     side = np.array([wheel.side for wheel in vehicle.wheels.values()], dtype=float)
 
     def process(weights: NDArray, share: float, sign: int) -> Process:
-        return Process(np.where(rear, 0.0, weights), np.where(rear, weights, 0.0), share, sign)
+        return Process(np.where(axle == np.arange(len(vehicle.axles))[:, None], weights, 0.0), share, sign)
 
     if road.tracks == "identical" or not side.any():
         return [process(excited, 1.0, 0)]
@@ -90,9 +100,9 @@ def processes(vehicle: RoadVehicle, road: Road) -> list[Process]:
     return [process(excited, 0.5, sign), process(side * excited, 0.5, -sign)]
 
 
-def delay(vehicle: RoadVehicle, road: Road) -> Any:
-    """Time in s from the front to the rear wheels, one number or one a design."""
-    return vehicle.wheelbase / road.speed
+def delays(vehicle: RoadVehicle, road: Road) -> list[Any]:
+    """Time in s from the first axle to each, one number or one a design."""
+    return [distance / road.speed for distance in vehicle.axles]
 
 
 def steep(process: Process, road: Road) -> bool:
@@ -123,8 +133,8 @@ def check_stationary(vehicle: RoadVehicle, road: Road, model: Model) -> None:
     if np.all(np.asarray(road.cutoff) > 0.0):
         return
     for process in processes(vehicle, road):
-        at_once, drift = integrated(model, process)
-        diverges = (at_once != 0.0) & steep(process, road)
+        rates, drift = integrated(model, process)
+        diverges = np.any(rates != 0.0, axis=0) & steep(process, road)
         drifts = (drift != 0.0) & (not bounded(process, road))
         which = np.any(drifts | diverges, axis=tuple(range(drift.ndim - 1)))
         if which.any():
@@ -135,15 +145,17 @@ def check_stationary(vehicle: RoadVehicle, road: Road, model: Model) -> None:
 
 
 def integrated(model: Model, process: Process) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Rates (designs..., k) of what integrates, under the process at once, and under both axles together.
+    """Rates of what integrates, under the process by each axle (axles, designs..., k), and under all axles together.
 
-    The latter is what drifts: exactly zero where the rear wheels undo what the front ones did.
+    The latter is what drifts, (designs..., k): exactly zero where the wheels behind undo what those in front did.
     """
-    at_once, later = model.integrators @ process.now, model.integrators @ process.later
-    sizes = np.abs(model.integrators) @ (np.abs(process.now) + np.abs(process.later))
-    return np.where(np.abs(at_once) > DRIFT * sizes, at_once, 0.0), np.where(
-        np.abs(at_once + later) > DRIFT * sizes, at_once + later, 0.0
-    )
+    rates = np.moveaxis(model.integrators @ process.weights.T, -1, 0)
+    sizes = np.abs(model.integrators) @ np.abs(process.weights).sum(axis=0)
+
+    def cleaned(rate: NDArray) -> NDArray:
+        return np.where(np.abs(rate) > DRIFT * sizes, rate, 0.0)
+
+    return cleaned(rates), cleaned(rates.sum(axis=0))
 
 
 def infinite_outputs(model: Model, excited: list[Process], road: Road) -> NDArray[np.bool_]:
@@ -153,7 +165,7 @@ def infinite_outputs(model: Model, excited: list[Process], road: Road) -> NDArra
     """
     if road.velocity_is_bounded:
         return np.zeros(model.on_road_velocity.shape[:-1], dtype=bool)
-    weights = np.stack([side for process in excited for side in (process.now, process.later)], axis=-1)
+    weights = np.concatenate([process.weights for process in excited]).T
     passed_on, terms = model.on_road_velocity @ weights, np.abs(model.on_road_velocity) @ np.abs(weights)
     return np.any(beyond_rounding(passed_on, terms), axis=-1)
 
@@ -167,8 +179,8 @@ def vanishing_outputs(model: Model, excited: list[Process]) -> NDArray[np.bool_]
     H = model.relative_transfer(np.geomspace(rates.min(), rates.max(), 5))
     still = np.ones((*H.shape[:-3], H.shape[-2]), dtype=bool)
     for process in excited:
-        for side in (process.now, process.later):
-            still &= np.all(np.abs(H @ side) <= DRIFT * (np.abs(H) @ np.abs(side)), axis=-2)
-        for rate in integrated(model, process):
+        for weights in process.weights:
+            still &= np.all(np.abs(H @ weights) <= DRIFT * (np.abs(H) @ np.abs(weights)), axis=-2)
+        for rate in integrated(model, process)[0]:
             still &= (model.on_integrators @ rate[..., None])[..., 0] == 0.0
     return still

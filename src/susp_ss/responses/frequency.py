@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..quantities import briefly
 from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
-from .excitation import check_kinds, delay, integrated, processes, spanned
+from .excitation import check_kinds, delays, integrated, processes, spanned
 
 
 def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArray:
@@ -77,8 +77,8 @@ def _controlled(model: Model, omega: NDArray) -> NDArray:
 def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     """One-sided spectrum of every output on a random road.
 
-    ``S_y(f) = sum over processes |H(f) (b_now + b_later e^(-j w tau))|^2 G(f)``, the processes being the mean and the
-    half difference of the two tracks.
+    ``S_y(f) = sum over processes |H(f) sum_j b_j e^(-j w tau_j)|^2 G(f)``, the processes being the mean and the half
+    difference of the two tracks, which the axles j meet one after the other.
 
     Parameters
     ----------
@@ -122,15 +122,16 @@ def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
 
 
 def output_density(
-    vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, interference: ArrayLike = 1.0
+    vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, interference: NDArray | None = None
 ) -> NDArray:
     """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs).
 
-    ``interference`` (F,) weighs the cross term of front and rear wheels, which turns with the delay.
+    ``interference`` (F,) is how much the cross terms of axles count, which turn with their delays: in full without it.
     """
     omega = 2.0 * np.pi * f
     H, s = model.relative_transfer(omega), 1j * omega[:, None]
-    lag = np.exp(-1j * omega * np.asarray(delay(vehicle, road))[..., None])
+    turns = -1j * omega * np.stack(np.broadcast_arrays(*delays(vehicle, road)))[..., None]
+    lag = np.exp(turns)[..., None]
     width = np.asarray(vehicle.track_width)[..., None]
     road = road.mapped(lambda x: np.asarray(x)[..., None])
     velocity = omega**2 * road.psd(f / road.speed) / road.speed
@@ -142,16 +143,27 @@ def output_density(
         if process.sign:
             apart = road.incoherence(f / road.speed, width)
             share = 0.5 * (apart if process.sign < 0 else 2.0 - apart)
-        at_once, drift = (
-            (model.on_integrators @ rate[..., None])[..., None, :, 0] for rate in integrated(model, process)
-        )
-        now = H @ process.now + at_once / s
-        later = lag[..., None] * (H @ process.later + (drift - at_once) / s)
-        # The sum first: at low frequency a warp of either axle is large and nearly cancels the other's.
-        power = np.abs(now + later) ** 2
-        power -= 2.0 * (1.0 - np.asarray(interference))[..., None] * (now * later.conj()).real
+        # By each axle (axles, designs..., F, outputs), and by all together.
+        alone = lag * np.stack([H @ weights for weights in process.weights])
+        whole = alone.sum(axis=0)
+        rates, drift = integrated(model, process)
+        if rates.any():
+            # At low frequency the warp of an axle is large and nearly cancels the others': the sum first.
+            warp, drift = ((model.on_integrators @ rate[..., None])[..., None, :, 0] / s for rate in (rates, drift))
+            late = np.expm1(turns)[..., None] * warp
+            whole += late.sum(axis=0) + drift
+            alone += late + warp
+        power = _squared(whole)
+        if interference is not None:
+            weight = interference[:, None]
+            power = weight * power + (1.0 - weight) * _squared(alone).sum(axis=0)
         total = total + power * (share * velocity)[..., None]
     return np.asarray(total)
+
+
+def _squared(z: NDArray) -> NDArray[np.float64]:
+    """``|z|^2``."""
+    return np.asarray(z.real**2 + z.imag**2)
 
 
 def checked_frequency(frequency: ArrayLike) -> NDArray[np.float64]:

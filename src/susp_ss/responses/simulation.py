@@ -15,7 +15,7 @@ from ..roads.profiles import synthesise
 from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import DesignSpace
-from .excitation import check_kinds, check_stationary, delay, infinite_outputs, processes
+from .excitation import check_kinds, check_stationary, delays, infinite_outputs, processes
 from .labels import labelled_outputs
 from .stepping import History, Stepper
 
@@ -177,11 +177,13 @@ def _moments(vehicle: Any, road: Road, duration: float, step: float, seed: int) 
     model = (vehicle.middling() if curved else vehicle).assemble()
     check_stationary(vehicle, road, model)
     excited = processes(vehicle, road)
-    tau = float(delay(vehicle, road)) if any(process.later.any() for process in excited) else 0.0
+    delayed = any(process.delayed for process in excited)
+    taus = [float(tau) if delayed else 0.0 for tau in delays(vehicle, road)]
     eigenvalues = np.linalg.eigvals(model.A)
     step = min(step, RESOLVED / max(_fastest(vehicle.steepest() if curved else vehicle), RESOLVED / step))
-    if tau:
-        step = tau / np.ceil(tau / step)
+    later = [tau for tau in taus if tau > 0.0]
+    if later:
+        step = later[0] / np.ceil(later[0] / step)
     fading = eigenvalues if road.weighting is None else np.concatenate([eigenvalues, road.weighting.poles])
     forget = FORGET / np.abs(fading.real).min()
     if (duration + forget) / step > MOST_STEPS:
@@ -194,11 +196,11 @@ def _moments(vehicle: Any, road: Road, duration: float, step: float, seed: int) 
         duration,
         step,
         sides=[wheel.side for wheel in vehicle.wheels.values()],
-        delays=[tau * wheel.axle for wheel in vehicle.wheels.values()],
+        delays=[taus[wheel.axle] for wheel in vehicle.wheels.values()],
         track_width=float(vehicle.track_width),
         seed=seed,
     )
-    z *= np.any([process.now + process.later != 0.0 for process in excited], axis=0)[:, None]
+    z *= np.any([process.weights != 0.0 for process in excited], axis=(0, 1))[:, None]
     period, lead = z.shape[1], int(np.ceil(forget / step))
     if curved:
         y, damping = _side_by_side(Stepper(vehicle, step), z, lead)

@@ -5,10 +5,12 @@ import lazy_loader
 MODELS = {
     "full": "full.FullCar",
     "quarter": "quarter.QuarterCar",
+    "quarter-seat": "quarter.QuarterCarWithSeat",
     "rigid-tyre": "quarter.RigidTyreQuarterCar",
     "pitch-half": "half.PitchHalfCar",
     "roll-half": "half.RollHalfCar",
     "ride-handling": "ride_handling.RideHandlingCar",
+    "three-axle": "truck.ThreeAxleTruck",
 }
 """Every vehicle: its name in files and on the command line, its module and its class."""
 
@@ -24,6 +26,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "linear": ["LinearVehicle"],
         "parameters": ["Corners"],
         "curves": ["DamperCurve", "SpringCurve"],
+        "seats": ["Seat"],
         "vehicle": ["Vehicle"],
     },
 )

@@ -104,8 +104,13 @@ class RoadVehicle(ABC):
 
     @property
     @abstractmethod
+    def axles(self) -> tuple[Any, ...]:
+        """How far each axle is behind the first, in m: 0, then ascending; numbers, or one a design."""
+
+    @property
     def wheelbase(self) -> Any:
-        """Distance between the axles in m; 0 for a vehicle with one."""
+        """Distance from the first to the last axle in m; 0 for a vehicle with one."""
+        return self.axles[-1]
 
     @property
     @abstractmethod
@@ -120,6 +125,7 @@ class RoadVehicle(ABC):
     def moving(self, speed: Any) -> RoadVehicle:
         """The vehicle on a road that passes at this speed, in m/s: itself, where only the road depends on that."""
         return self
+
     @property
     def curved(self) -> bool:
         """Whether a curve stands for some spring or damper, so that it is linear on one road at a time only."""

@@ -2,7 +2,8 @@
 
 Where left and right are alike, the mean of both heaves and pitches, the half difference rolls, neither feels the other,
 and each half is one or two struts joined by a body. All is read off the linkage itself, so that whatever has no halves
-(unequal sides), or is more than struts on a rigid body (a seat, a rigid tyre), is known by what it is.
+(unequal sides), or is more than struts on a rigid body (a rigid tyre, links of its own), is known by what it is. A seat
+is a strut as well: its rider is a wheel without a tyre.
 """
 
 from __future__ import annotations
@@ -37,13 +38,15 @@ class BodyMode(NamedTuple):
 class OnStruts(NamedTuple):
     """Struts by the corners that they stand for, bars between two of them, and the body coordinates that they move.
 
-    ``points`` are the body's accelerations by name, each with its share of every coordinate.
+    ``points`` are the body's accelerations by name, each with its share of every coordinate; ``seats`` are those of the
+    struts, the last ones, that stand for seats.
     """
 
     struts: dict[tuple[str, ...], Strut]
     bars: dict[tuple[tuple[str, ...], ...], Any]
     body: dict[str, BodyMode]
     points: dict[str, dict[str, Any]]
+    seats: tuple[str, ...] = ()
 
     def select(self, designs: slice | NDArray[np.int_]) -> OnStruts:
         """The same of some of the designs."""
@@ -56,6 +59,7 @@ class OnStruts(NamedTuple):
             {pair: some(stiffness) for pair, stiffness in self.bars.items()},
             {name: BodyMode(some(mode.mobility), tuple(map(some, mode.arms))) for name, mode in self.body.items()},
             {name: {mode: some(share) for mode, share in shares.items()} for name, shares in self.points.items()},
+            self.seats,
         )
 
     def compliance(self, i: int, j: int) -> Any:
@@ -77,14 +81,16 @@ def whole(linkage: Linkage) -> OnStruts | None:
     body = _body(linkage)
     if body is None or len(linkage.corners) < len(body):
         return None
+    feet = [*(corner.mount for corner in linkage.corners.values()), *(seat.floor for seat in linkage.seats.values())]
     return OnStruts(
-        {(name,): strut for name, strut in _struts(linkage).items()},
+        {(name,): strut for name, strut in (_struts(linkage) | _riders(linkage)).items()},
         {tuple((name,) for name in pair): stiffness for pair, stiffness in linkage.bars.items()},
         {
-            name: BodyMode(1.0 / inertia, tuple(_arm(corner, name) for corner in linkage.corners.values()))
+            name: BodyMode(1.0 / inertia, tuple(foot.terms.get(name, 0.0) for foot in feet))
             for name, inertia in body.items()
         },
         _shares(_accelerations(linkage), list(body)),
+        tuple(linkage.seats),
     )
 
 
@@ -95,7 +101,7 @@ def halves(linkage: Linkage, wheels: Mapping[str, Wheel]) -> tuple[OnStruts, ...
     values on both. The accelerations of the mounts, the rows of `OnStruts.compliance`, are not among the points.
     """
     inertias = _body(linkage)
-    if inertias is None:
+    if inertias is None or linkage.seats:
         return ()
     axles: list[tuple[str, ...]]
     if not any(wheel.side for wheel in wheels.values()):
@@ -138,17 +144,28 @@ def halves(linkage: Linkage, wheels: Mapping[str, Wheel]) -> tuple[OnStruts, ...
 def _body(linkage: Linkage) -> dict[str, Any] | None:
     """Inertia of each of the body's coordinates; None where there is more than struts on a rigid body."""
     wheels = [corner.wheel for corner in linkage.corners.values() if corner.wheel and len(corner.wheel.terms) == 1]
-    if linkage.links or linkage.more or len(wheels) < len(linkage.corners):
+    seats = linkage.seats.values()
+    riders = [seat.rider for seat in seats if len(seat.rider.terms) == 1]
+    if linkage.links or linkage.more or len(wheels) < len(linkage.corners) or len(riders) < len(seats):
         return None
-    ridden = {name for wheel in wheels for name in wheel.terms}
-    masses = {name: mass for motion, mass in linkage.masses.items() for name in motion.terms}
-    body = {name: mass for name, mass in masses.items() if name not in ridden}
-    fixed = [*_accelerations(linkage).values(), *(corner.mount for corner in linkage.corners.values())]
+    ridden = {name for wheel in (*wheels, *riders) for name in wheel.terms}
+    body = {name: mass for name, mass in _masses(linkage).items() if name not in ridden}
+    mounts = (corner.mount for corner in linkage.corners.values())
+    fixed = [*_accelerations(linkage).values(), *mounts, *(seat.floor for seat in seats)]
     return body if all(motion.terms.keys() <= body.keys() for motion in fixed) else None
 
 
+def _masses(linkage: Linkage) -> dict[str, Any]:
+    return {name: mass for motion, mass in linkage.masses.items() for name in motion.terms}
+
+
+def _riders(linkage: Linkage) -> dict[str, Strut]:
+    masses, riders = _masses(linkage), {name: next(iter(seat.rider.terms)) for name, seat in linkage.seats.items()}
+    return {name: Strut(masses[riders[name]], seat.ks, seat.cs, 0.0, 0.0) for name, seat in linkage.seats.items()}
+
+
 def _struts(linkage: Linkage) -> dict[str, Strut]:
-    masses = {name: mass for motion, mass in linkage.masses.items() for name in motion.terms}
+    masses = _masses(linkage)
     wheels = {name: next(iter(corner.wheel.terms)) for name, corner in linkage.corners.items() if corner.wheel}
     return {
         name: Strut(masses[wheels[name]], corner.ks, corner.cs, corner.kt, corner.ct)

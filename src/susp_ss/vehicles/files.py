@@ -8,6 +8,12 @@ their defaults::
     [parameters]
     mb = { value = 1.31, unit = "t" }
     ks = { fr = 18.0, fl = 18.0, rr = 21.0, rl = 21.0, unit = "kN/m" }
+
+    [seats.driver]
+    x = { value = 0.3, unit = "m" }
+    y = { value = 0.4, unit = "m" }
+
+Each table under ``seats``, of which there may be none, is a `Seat` by its name.
 """
 
 from __future__ import annotations
@@ -21,12 +27,13 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from ..quantities import briefly, units_of
+from ..quantities import Quantity, briefly, units_of
 from ..units import Stated, factor_of, implausible
 from . import MODELS
 from .curve_files import KINDS, curve_entry, curve_of, is_curve, toml
 from .curves import Curve
 from .parameters import Corners
+from .seats import Seat, field_of
 from .vehicle import Vehicle
 
 
@@ -38,7 +45,7 @@ def models() -> dict[str, type[Vehicle]]:
     --------
     >>> from susp_ss.vehicles.files import models
     >>> list(models())
-    ['full', 'quarter', 'rigid-tyre', 'pitch-half', 'roll-half', 'ride-handling']
+    ['full', 'quarter', 'quarter-seat', 'rigid-tyre', 'pitch-half', 'roll-half', 'ride-handling', 'three-axle']
     """
     places = {name: place.partition(".") for name, place in MODELS.items()}
     return {
@@ -81,10 +88,28 @@ def model_name(vehicle: Vehicle) -> str:
     >>> model_name(RollHalfCar())
     'roll-half'
     """
-    named = {car: name for name, car in models().items()}
-    if type(vehicle) not in named:
+    if not in_file(vehicle):
         raise ValueError(f"a file holds one of {', '.join(MODELS)}, got a {type(vehicle).__name__}")
-    return named[type(vehicle)]
+    return {car: name for name, car in models().items()}[_plain(vehicle)]
+
+
+def in_file(vehicle: Vehicle) -> bool:
+    """Whether a file can hold a vehicle of that kind.
+
+    Examples
+    --------
+    >>> from susp_ss import FullCar, Seat
+    >>> from susp_ss.vehicles.files import in_file
+    >>> in_file(FullCar().with_seats({"driver": Seat()})), in_file(FullCar().with_points({"driver": (0.3, 0.4)}))
+    (True, False)
+    """
+    return _plain(vehicle) in models().values()
+
+
+def _plain(vehicle: Vehicle) -> type[Vehicle]:
+    """The kind of a vehicle without its seats."""
+    kind: type[Vehicle] = getattr(type(vehicle), "plain", type(vehicle))
+    return kind
 
 
 def read_vehicle(path: str | PathLike[str], trust_units: bool = False) -> Vehicle:
@@ -95,9 +120,9 @@ def read_vehicle(path: str | PathLike[str], trust_units: bool = False) -> Vehicl
     path : path
         A TOML file: ``model``, and the table ``parameters`` with ``{ value = ..., unit = "..." }`` for each field, or
         one value a corner in place of ``value`` (fr, fl, rr, rl; f, r; or r, l). Fields left out keep their
-        defaults. `susp_ss.quantities.UNITS` lists the units. In place of a value, ``cs`` and ``ks`` may have a curve:
-        ``{ csv = "damper.csv" }``, ``{ bump = 800, rebound = 2400, unit = "N s/m" }`` and others
-        (`susp_ss.vehicles.curve_files`).
+        defaults. In place of a value, ``cs`` and ``ks`` may have a curve: ``{ csv = "damper.csv" }``,
+        ``{ bump = 800, rebound = 2400, unit = "N s/m" }`` and others (`susp_ss.vehicles.curve_files`).
+        ``seats.driver`` and the like are tables of a `Seat` each. `susp_ss.quantities.UNITS` lists the units.
     trust_units : bool
         Take values that are far from any road vehicle's, which a mistaken unit would give.
 
@@ -165,30 +190,44 @@ def vehicle_text(vehicle: Vehicle) -> str:
             f"# {', '.join(vehicle.per_corner)} may have a value for each wheel in place of one for all:",
             f'# ks = {{ {values}, unit = "kN/m" }}',
         ]
-    lines += [f'model = "{model_name(vehicle)}"', "", "[parameters]"]
-    for name, quantity in quantities.items():
-        said = ", ".join(word for word in (quantity.meaning, quantity.bound) if word)
-        if getattr(vehicle, name) is None:
-            lines.append(f'# {name} = {{ value = ..., unit = "{quantity.unit}" }}  # {said}; none')
-        else:
-            lines.append(f"{name} = {toml(entry(vehicle, name))}  # {said}")
+    table = vehicle_table(vehicle)
+    lines += [f'model = "{table["model"]}"', "", "[parameters]"]
+    for name in models()[table["model"]].quantities():
+        lines.append(_line(name, table["parameters"].get(name), quantities[name]))
+    for name, seat in table.get("seats", {}).items():
+        lines += ["", f"[seats.{name}]"]
+        lines += [_line(of, parts, Seat.quantities()[of]) for of, parts in seat.items()]
     return "\n".join(lines)
 
 
+def _line(name: str, parts: dict[str, Any] | None, quantity: Quantity) -> str:
+    said = ", ".join(word for word in (quantity.meaning, quantity.bound) if word)
+    if parts is None:
+        return f'# {name} = {{ value = ..., unit = "{quantity.unit}" }}  # {said}; none'
+    return f"{name} = {toml(parts)}  # {said}"
+
+
 def vehicle_table(vehicle: Vehicle) -> dict[str, Any]:
-    """Model and parameters of a vehicle, laid out as in a vehicle file.
+    """Model, parameters and seats of a vehicle, laid out as in a vehicle file.
 
     Raises
     ------
     ValueError
         A parameter is an array.
     """
-    return {
-        "model": model_name(vehicle),
-        "parameters": {
-            name: entry(vehicle, name) for name in vehicle.quantities() if getattr(vehicle, name) is not None
-        },
+    model = model_name(vehicle)
+    own = [name for name in models()[model].quantities() if getattr(vehicle, name) is not None]
+    table: dict[str, Any] = {
+        "model": model,
+        "parameters": {name: entry(vehicle, name) for name in own},
     }
+    if vehicle.seats:
+        fields = {seat: {of: field_of(of, seat) for of in Seat.quantities()} for seat in vehicle.seats}
+        table["seats"] = {
+            seat: {of: entry(vehicle, name) for of, name in own.items() if hasattr(vehicle, name)}
+            for seat, own in fields.items()
+        }
+    return table
 
 
 def entry(vehicle: Vehicle, name: str) -> dict[str, Any]:
@@ -234,21 +273,47 @@ def vehicle_of(table: dict[str, Any], trust_units: bool = False, folder: Path = 
 
     Tables that it names are sought in the folder.
     """
-    _refuse_unknown("key", table, ("model", "parameters"), "")
+    _refuse_unknown("key", table, ("model", "parameters", "seats"), "")
     if "model" not in table:
         raise ValueError(f'model is missing; write model = "full", or one of {", ".join(MODELS)}')
     car = model_named(table["model"])
+    wheels = dict.fromkeys(car.per_corner, tuple(car.wheels))
     parameters = table.get("parameters", {})
-    if not isinstance(parameters, dict):
-        raise ValueError(f"parameters must be a table, [parameters], got {briefly(parameters)}")
-    _refuse_unknown("parameter", parameters, tuple(car.quantities()), f" of the model {table['model']!r}")
-    return car(**{name: _value(car, name, entry, trust_units, folder) for name, entry in parameters.items()})
+    of = f" of the model {table['model']!r}"
+    vehicle = car(**_values("parameters", parameters, car.quantities(), wheels, of, trust_units, folder))
+    seats = table.get("seats", {})
+    if not isinstance(seats, dict):
+        raise ValueError(f"seats must be tables, [seats.driver], got {briefly(seats)}")
+    own = {
+        name: Seat(
+            **_values(f"seats.{name}", seat, Seat.quantities(), {}, f" of the seat {name!r}", trust_units, folder)
+        )
+        for name, seat in seats.items()
+    }
+    return vehicle.with_seats(own) if own else vehicle
 
 
-def _value(car: type[Vehicle], name: str, entry: Any, trust_units: bool, folder: Path) -> Any:
-    quantity = car.quantities()[name]
+def _values(
+    where: str,
+    table: Any,
+    quantities: dict[str, Quantity],
+    wheels: dict[str, tuple[str, ...]],
+    of: str,
+    trust_units: bool,
+    folder: Path,
+) -> dict[str, Any]:
+    """The values of a table by name, in SI units; those that wheels may have for themselves perhaps for each."""
+    if not isinstance(table, dict):
+        raise ValueError(f"{where} must be a table, [{where}], got {briefly(table)}")
+    _refuse_unknown("parameter", table, tuple(quantities), of)
+    return {
+        name: _value(name, entry, quantities[name], wheels.get(name, ()), trust_units, folder)
+        for name, entry in table.items()
+    }
+
+
+def _value(name: str, entry: Any, quantity: Quantity, wheels: tuple[str, ...], trust_units: bool, folder: Path) -> Any:
     own, units = quantity.unit, units_of(quantity.unit)
-    wheels = tuple(car.wheels) if name in car.per_corner else ()
     if not isinstance(entry, dict):
         raise ValueError(
             f'{name} must state its unit, {name} = {{ value = ..., unit = "{own}" }}, got {briefly(entry)}'

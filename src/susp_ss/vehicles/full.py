@@ -80,5 +80,5 @@ class FullCar(Vehicle):
             points={"cg": heave, **mounts},
             rotations={"pitch_acc": pitch, "roll_acc": roll},
             bars={("fr", "fl"): self.arb_front, ("rr", "rl"): self.arb_rear},
-            warp=at["fr"].road - at["fl"].road - at["rr"].road + at["rl"].road,
+            warps=[at["fr"].road - at["fl"].road - at["rr"].road + at["rl"].road],
         )

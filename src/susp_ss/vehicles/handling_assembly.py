@@ -248,7 +248,7 @@ class _Assembly:
         leaning = np.zeros((self.N, n, 1))
         leaning[:, self.roll, 0] = self.leaning
         leant = np.linalg.solve(np.broadcast_to(ride.K, (self.N, n, n)), leaning)
-        warped = np.broadcast_to(ride.warped, (self.N, ride.R.shape[-2]))[..., None]
+        warped = np.broadcast_to(ride.warped, (self.N, *ride.warped.shape[-2:]))
         felt = ride.elongation @ np.concatenate([warped, ride.R @ leant], axis=-1)
         felt[:, table.of("roll"), 1] = 1.0
         self.transfer(felt)

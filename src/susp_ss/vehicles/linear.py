@@ -19,7 +19,7 @@ from .linkage import Wheel
 from .parameters import DesignSpace, computed
 from .parting import Growing
 from .second_order import Array, Layout, Outputs
-from .signals import HEIGHT, check_system, checked_wheels, length, named_like, output_table, road_inputs
+from .signals import HEIGHT, check_system, checked_wheels, distances, length, named_like, output_table, road_inputs
 
 if TYPE_CHECKING:
     import control
@@ -42,10 +42,12 @@ class LinearVehicle(RoadVehicle):
         and dims; others become variables of their own name. Several systems with the same names are the designs
         of a sweep, on dim ``design``.
     wheels : mapping of str to (axle, side), optional
-        Axle 0 in front, 1 behind; side -1 right, 1 left, 0 on the centre line. Not needed for the names of the
-        package's own vehicles (``fr, fl, rr, rl``; ``f, r``; ``r, l``; a single wheel).
-    wheelbase, track_width : float
-        In m. 0: both axles meet the road at once; no isotropic tracks.
+        Axle 0 in front, 1 behind and so on; side -1 right, 1 left, 0 on the centre line. Not needed for the names of
+        the package's own vehicles (``fr, fl, rr, rl``; ``f, r``; ``r, l``; a single wheel).
+    wheelbase : float, or sequence of float
+        From the first axle to the other, or to each of the others, in m. 0: both axles meet the road at once.
+    track_width : float
+        In m. 0: no isotropic tracks.
     like : vehicle, optional
         Whose wheels, wheelbase and track width these are, and whose outputs and dampers, by their names. A system that
         lost all names, as by `control.feedback`, is taken for the inputs and outputs of its ``state_space()``, in their
@@ -80,7 +82,7 @@ class LinearVehicle(RoadVehicle):
         self,
         system: control.StateSpace | Sequence[control.StateSpace],
         wheels: Mapping[str, tuple[int, int]] | None = None,
-        wheelbase: float = 0.0,
+        wheelbase: float | Sequence[float] = 0.0,
         track_width: float = 0.0,
         like: RoadVehicle | None = None,
     ):
@@ -100,21 +102,21 @@ class LinearVehicle(RoadVehicle):
                     "LinearVehicle(like=...) has wheels, wheelbase and track_width of its own; pass like or these"
                 )
             systems = [named_like(one, like) for one in systems]
-            wheels, wheelbase, track_width = like.wheels, like.wheelbase, like.track_width
+            wheels, wheelbase, track_width = like.wheels, like.axles[1:], like.track_width
         names = [(one.input_labels, one.output_labels, one.state_labels) for one in systems]
         if any(one != names[0] for one in names[1:]):
             raise ValueError("LinearVehicle(system=...) must be systems with the same inputs, outputs and states")
         inputs, outputs, states = names[0]
         by_height, heights = road_inputs(inputs)
-        self._wheels = checked_wheels(wheels, tuple(heights))
-        self._wheelbase = length("wheelbase", wheelbase)
+        self._axles = distances(wheelbase)
+        self._wheels = checked_wheels(wheels, tuple(heights), len(self._axles))
         self._track_width = length("track_width", track_width)
         self._which: Any = xr.DataArray(np.arange(len(systems), dtype=float), dims="design") if several else None
 
         rows, damping = output_table(outputs, self.wheels, like)
         taken = [heights[wheel] for wheel in self.wheels]
         road = tuple(signal(HEIGHT, wheel) for wheel in self.wheels)
-        known = Layout((), road, tuple(self.wheels), Outputs(rows), False, len(damping) > 0)
+        known = Layout((), road, tuple(self.wheels), Outputs(rows), 0, len(damping) > 0)
         parts = []
         for i, one in enumerate(systems):
             matrices = one.A, one.B[:, taken], one.C, one.D[:, taken]
@@ -139,9 +141,9 @@ class LinearVehicle(RoadVehicle):
         return self._wheels
 
     @property
-    def wheelbase(self) -> float:
-        """Distance between the axles in m; 0 for a vehicle with one."""
-        return self._wheelbase
+    def axles(self) -> tuple[Any, ...]:
+        """How far each axle is behind the first, in m."""
+        return self._axles
 
     @property
     def track_width(self) -> float:

@@ -56,7 +56,7 @@ def track(*names: str) -> tuple[Motion, ...]:
 
 
 class Wheel(NamedTuple):
-    """Where a wheel runs: ``axle`` 0 in front, 1 behind; ``side`` -1 right, +1 left, 0 on the centre line."""
+    """Where a wheel runs: ``axle`` 0 in front, 1 behind and so on; ``side`` -1 right, 1 left, 0 on the centre line."""
 
     axle: int
     side: int
@@ -96,6 +96,20 @@ class Corner:
 
 
 @dataclass(frozen=True, eq=False)
+class Cushion:
+    """Spring and damper of a seat, which carry a rider on the floor: on the body, at a point of it."""
+
+    rider: Motion
+    floor: Motion
+    ks: Any
+    cs: Any
+
+    @cached_property
+    def link(self) -> Link:
+        return Link(self.rider - self.floor, self.ks, self.cs)
+
+
+@dataclass(frozen=True, eq=False)
 class Output:
     """One row of the output table: ``acceleration q'' + sum elongation e + sum rate e'``, links by their factors."""
 
@@ -118,15 +132,17 @@ class Linkage:
     corners : dict
         `Corner` by name.
     points : dict
-        Points (name -> Motion) whose vertical acceleration is an output.
+        Points of the body (name -> Motion) whose vertical acceleration is an output.
     rotations : dict
         Body rotations (name of their acceleration -> Motion).
     bars : dict
         Anti-roll bars: stiffness along the difference of the suspension deflections of two corners (pair of names).
+    seats : dict
+        `Cushion` by the name of the seat, at which the rider's acceleration is an output.
     links : sequence of Link
-        Beyond corners and bars: a seat.
-    warp : Motion, optional
-        The combination of road heights that a rigid body on its wheels cannot follow.
+        Beyond corners, bars and seats.
+    warps : sequence of Motion
+        The combinations of road heights that a rigid body on its wheels cannot follow.
     more : sequence of Output
         Rows of the output table beyond those of every vehicle.
     """
@@ -136,8 +152,9 @@ class Linkage:
     points: Mapping[str, Motion]
     rotations: Mapping[str, Motion] = field(default_factory=dict)
     bars: Mapping[tuple[str, ...], Any] = field(default_factory=dict)
+    seats: Mapping[str, Cushion] = field(default_factory=dict)
     links: Sequence[Link] = ()
-    warp: Motion | None = None
+    warps: Sequence[Motion] = ()
     more: Sequence[Output] = ()
 
     @cached_property
@@ -151,8 +168,10 @@ class Linkage:
             first,
             *rotations,
             *others,
+            *(Output(bacc, name, acceleration=seat.rider) for name, seat in self.seats.items()),
             *(Output(sws, name, elongation={corner.suspension: 1.0}) for name, corner in corners),
             *(Output(dtl, name, elongation=_stiff(corner.tyre), rate=_damped(corner.tyre)) for name, corner in corners),
+            *(Output(METRICS["seat_travel"], name, elongation={seat.link: 1.0}) for name, seat in self.seats.items()),
             *self.more,
             *(Output(rate, name, rate={corner.suspension: 1.0}, public=False) for name, corner in corners),
             *(
@@ -168,7 +187,7 @@ class Linkage:
         states = [name for motion in self.masses for name in motion.terms]
         heights = (name for corner in self.corners.values() for name in corner.road.terms)
         rows = tuple(Row(output.quantity, output.place, output.public) for output in self.outputs)
-        return Layout(tuple(states), tuple(heights), tuple(self.corners), Outputs(rows), self.warp is not None)
+        return Layout(tuple(states), tuple(heights), tuple(self.corners), Outputs(rows), len(self.warps))
 
     def assemble(self) -> SecondOrder:
         """Write the links out as matrices; parameters that are arrays give stacks of matrices."""
@@ -179,7 +198,8 @@ class Linkage:
             Link(self.corners[one].suspension.elongation - self.corners[other].suspension.elongation, stiffness)
             for (one, other), stiffness in self.bars.items()
         ]
-        links = list(dict.fromkeys([*suspensions, *tyres, *bars, *self.links]))
+        cushions = [seat.link for seat in self.seats.values()]
+        links = list(dict.fromkeys([*suspensions, *tyres, *bars, *cushions, *self.links]))
 
         elongations = [link.elongation.terms for link in links]
         R, N = coefficients(elongations, layout.coordinates), coefficients(elongations, layout.inputs)
@@ -205,11 +225,13 @@ class Linkage:
             suspensions=of_suspension,
             tyres=of_tyre,
             damping=c[..., of_suspension],
-            warp=None if self.warp is None else coefficients([self.warp.terms], layout.inputs)[0],
+            integrators=coefficients([warp.terms for warp in self.warps], layout.inputs),
         )
-        # Energy only leaves: where each corner has a damper, no mode of wheels and a rigid body can go on for ever.
+        # Energy only leaves: where each corner and each seat has a damper, no mode of wheels, a rigid body and riders
+        # can go on for ever.
         at_corners = np.all((c.real[..., of_suspension] > 0.0) | (c.real[..., of_tyre] > 0.0), axis=-1)
-        object.__setattr__(model, "damped", at_corners & (not self.links))
+        at_seats = np.all(c.real[..., [links.index(link) for link in cushions]] > 0.0, axis=-1)
+        object.__setattr__(model, "damped", at_corners & at_seats & (not self.links))
         return model
 
 

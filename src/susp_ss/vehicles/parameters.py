@@ -17,9 +17,12 @@ from ..quantities import DIMS, METRICS, Quantity, briefly
 RESERVED = {*DIMS, *METRICS}
 
 
-def parameter(default: Any, unit: str, meaning: str, zero: bool = False) -> Any:
-    """Declare a field that the table of quantities does not know, or knows by another meaning; zero if admitted."""
-    quantity = Quantity("", unit, meaning, bound=">= 0" if zero else "> 0")
+def parameter(default: Any, unit: str, meaning: str, zero: bool = False, signed: bool = False) -> Any:
+    """Declare a field that the table of quantities does not know, or knows by another meaning.
+
+    It is > 0; with ``zero`` it may be 0, and with ``signed`` any finite number.
+    """
+    quantity = Quantity("", unit, meaning, bound="" if signed else ">= 0" if zero else "> 0")
     return dataclasses.field(default=default, metadata={"quantity": quantity})
 
 
@@ -81,7 +84,7 @@ def checked(value: Any, where: str, quantity: Quantity) -> Any:
         raise ValueError(f"{where} {need}, got an empty array")
     values = values.astype(float)
     values.flags.writeable = False
-    within = {"> 0": values > 0.0, ">= 0": values >= 0.0}.get(quantity.bound, True)
+    within = {"> 0": values > 0.0, ">= 0": values >= 0.0, "": True}[quantity.bound]
     bad = ~(np.isfinite(values) & within)
     if bad.any():
         index = np.unravel_index(np.argmax(bad), bad.shape)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any
 
@@ -13,6 +13,16 @@ from ..quantities import briefly
 from .linkage import Linkage, Motion
 
 Places = tuple[tuple[str, tuple[float, float]], ...]
+
+ALONG = {"x": ("pitch_acc", "ahead"), "y": ("roll_acc", "to the left")}
+"""What a place off the centre of gravity needs: a rotation of the body, by the name of its acceleration."""
+
+
+def body_point(linkage: Linkage, x: Any, y: Any) -> Motion:
+    """The body's height at a place in m ahead of and to the left of the centre of gravity."""
+    cg, *_ = linkage.points.values()
+    pitch, roll = (linkage.rotations.get(name, Motion({})) for name, _ in ALONG.values())
+    return cg - x * pitch + y * roll
 
 
 def checked_points(given: Any, kind: str, linkage: Linkage) -> Places:
@@ -32,15 +42,15 @@ def checked_points(given: Any, kind: str, linkage: Linkage) -> Places:
     for name, place in given.items():
         if not isinstance(name, str) or not name:
             raise TypeError(f"points must have names, got {briefly(name)}; pass {need}")
-        if name in linkage.points:
+        if name in linkage.points or name in linkage.seats:
             raise ValueError(f"points: {name!r} is a point of {kind} already; pass another name")
         numbers = isinstance(place, (tuple, list)) and len(place) == 2
         if not numbers or not all(isinstance(x, (int, float, np.number)) and np.isfinite(x) for x in place):
             raise ValueError(f"points: {name!r} must be two finite numbers (x, y) in m, got {briefly(place)}")
-        for along, rotation, word in ((0, "pitch_acc", "ahead"), (1, "roll_acc", "left")):
-            if place[along] and rotation not in linkage.rotations:
+        for distance, (rotation, word) in zip(place, ALONG.values(), strict=True):
+            if distance and rotation not in linkage.rotations:
                 raise ValueError(
-                    f"points: {name!r} lies {place[along]:g} m {word}, where a {kind} has no body; pass 0 there"
+                    f"points: {name!r} lies {distance:g} m {word}, where a {kind} has no body; pass 0 there"
                 )
         found.append((name, (float(place[0]), float(place[1]))))
     return tuple(found)
@@ -52,20 +62,23 @@ def with_points(kind: Any, places: Places) -> Any:
 
     def linkage(self: Any) -> Linkage:
         own: Linkage = kind.linkage(self)
-        cg, *_ = own.points.values()
-        none = Motion({})
-        pitch, roll = (own.rotations.get(name, none) for name in ("pitch_acc", "roll_acc"))
-        more = {name: cg - x * pitch + y * roll for name, (x, y) in places}
+        more = {name: body_point(own, *place) for name, place in places}
         return dataclasses.replace(own, points={**own.points, **more})
 
     def reduce(self: Any) -> tuple[Any, ...]:
-        return _again, (kind, places, vars(self))
+        return again, (with_points, as_kind(self, kind), places)
 
     return type(kind.__name__, (kind,), {"__doc__": kind.__doc__, "linkage": linkage, "__reduce__": reduce})
 
 
-def _again(kind: type, places: Places, values: dict[str, Any]) -> Any:
-    vehicle = object.__new__(with_points(kind, places))
-    for name, value in values.items():
-        object.__setattr__(vehicle, name, value)
-    return vehicle
+def as_kind(vehicle: Any, kind: Any) -> Any:
+    """A vehicle's values as another kind's that has the same fields, or more."""
+    other = object.__new__(kind)
+    for name, value in vars(vehicle).items():
+        object.__setattr__(other, name, value)
+    return other
+
+
+def again(more: Callable[..., Any], plain: Any, *arguments: Any) -> Any:
+    """A vehicle of a kind that was made from another, from that other: what a pickle of it holds."""
+    return as_kind(plain, more(type(plain), *arguments))

@@ -8,7 +8,7 @@ rows, so that what a force does to a motion, that motion does to the force's sli
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, Literal, Self
@@ -21,8 +21,10 @@ from .full import FullCar
 from .handling_assembly import Velocities, assembled
 from .handling_model import CONTROLS, HandlingModel, handling_modes
 from .linkage import Linkage, Output, coordinates
+from .seats import Seat
 from .second_order import Layout
 from .systems import control_system
+from .vehicle import Vehicle
 
 if TYPE_CHECKING:
     import control
@@ -108,8 +110,8 @@ class RideHandlingCar(FullCar):
         super().__post_init__()
         if self.curved:
             raise TypeError(
-                f"{type(self).__name__} takes numbers for ks and cs, got a curve; pass what ss.linearised(FullCar(...), "
-                "road) makes of it"
+                f"{type(self).__name__} takes numbers for ks and cs, got a curve; pass what ss.linearised makes of it on "
+                "a FullCar"
             )
 
     per_corner = (*FullCar.per_corner, "cornering", "relaxation", "slip", "wheel_inertia")
@@ -119,6 +121,16 @@ class RideHandlingCar(FullCar):
         places = {"load_transfer": ("front", "rear"), "slip_angle": tuple(self.wheels)}
         more = [Output(quantity, place) for name, quantity in HANDLING.items() for place in places.get(name, ("",))]
         return dataclasses.replace(own, more=more)
+
+    def with_seats(self, seats: Mapping[str, Seat]) -> Vehicle:
+        """Refused: where a rider's mass lies above the roll axis, no `Seat` says.
+
+        Raises
+        ------
+        TypeError
+            Always.
+        """
+        raise TypeError(f"{type(self).__name__} takes no seats; FullCar does, which rides alike on level roll centres")
 
     def velocities(self) -> Velocities:
         """One row for everything that has inertia, and for everything that forces act on."""

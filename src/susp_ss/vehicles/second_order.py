@@ -4,9 +4,9 @@
 in either of two states:
 
 - displacement input: ``(q, v)`` with ``v = q' - M^-1 C_in z_r``;
-- velocity input: ``(p, v, warp)`` with ``p = q - G z_r``, the motion relative to where the road would carry the
-  vehicle statically (``G = K^-1 K_in``). No integrator remains, except the warp of a four-wheeled ground, which
-  a rigid body cannot follow.
+- velocity input: ``(p, v, warps)`` with ``p = q - G z_r``, the motion relative to where the road would carry the
+  vehicle statically (``G = K^-1 K_in``). No integrator remains, except the warp of the ground under four wheels, or the
+  three warps under six, which a rigid body cannot follow.
 
 What a model is known to be without a look at its numbers, it says itself (`SecondOrder.damped`); a changed copy says
 nothing, and what is not said is found out by eigenvalues.
@@ -93,7 +93,7 @@ class Layout:
     inputs: tuple[str, ...]
     corners: tuple[str, ...]
     outputs: Outputs
-    warps: bool
+    warps: int
     dampers: bool = True
     controls: tuple[str, ...] = ()
     """Inputs beyond the road's, such as a steering angle."""
@@ -122,10 +122,11 @@ class Layout:
 
     @property
     def relative_states(self) -> tuple[str, ...]:
-        """The road-relative states (p, v), then the warp if there is one."""
+        """The road-relative states (p, v), then the warps, if there are any."""
         positions = tuple(f"p_{name}" for name in self.coordinates)
         velocities = tuple(f"d{name}" for name in self.coordinates)
-        return positions + velocities + (("warp",) if self.warps else ())
+        warps = ("warp",) if self.warps == 1 else tuple(f"warp_{i + 1}" for i in range(self.warps))
+        return positions + velocities + warps
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +151,8 @@ class SecondOrder:
     suspensions: NDArray[np.int_]
     tyres: NDArray[np.int_]
     damping: Array
-    warp: Array | None
+    integrators: Array
+    """Rates of the road's warps per road velocity, (designs..., k, inputs)."""
 
     second_order: ClassVar[bool] = True
     damped: NDArray[np.bool_] | None = field(default=None, init=False)
@@ -192,39 +194,29 @@ class SecondOrder:
 
     @cached_property
     def warped(self) -> Array:
-        """Static elongation of every link per metre of road warp, (designs..., links)."""
-        if self.warp is None:
-            return np.zeros(self.R.shape[:-1])
-        return (self.R @ self.G + self.N) @ (self.warp / (self.warp @ self.warp))
-
-    @cached_property
-    def integrators(self) -> Array:
-        """The warp's rate per road velocity, (1, inputs); no row where there is none."""
-        return np.zeros((0, len(self.layout.inputs))) if self.warp is None else self.warp[None]
+        """Static elongation of every link per metre of each road warp, (designs..., links, k)."""
+        warps = self.integrators
+        return np.asarray((self.R @ self.G + self.N) @ warps.mT @ np.linalg.inv(warps @ warps.mT))
 
     @cached_property
     def on_integrators(self) -> Array:
-        """Outputs per what integrates, (designs..., outputs, 1)."""
-        return self.on_warp[..., None][..., : len(self.integrators)]
-
-    @cached_property
-    def on_warp(self) -> Array:
-        """Outputs per metre of static road warp, (designs..., outputs)."""
-        return (self.elongation @ self.warped[..., None])[..., 0]
+        """Outputs per metre of each static road warp, (designs..., outputs, k)."""
+        return np.asarray(self.elongation @ self.warped)
 
     @cached_property
     def rides_along(self) -> bool:
         """Whether no link is stretched by road heights that stand still, but for their warp.
 
         So it is where every spring joins what the road carries. A stiffness that was added to a copy keeps this only
-        with its share of ``K_in``: ``dK_in = dK G``. Where more than one warp sets wheels apart, this holds for none.
+        with its share of ``K_in``: ``dK_in = dK G``. Where more warps than are known set wheels apart, this holds for
+        none.
         """
         wheels = np.count_nonzero(self.suspensions != self.tyres)
         warps = len(self.layout.corners) + wheels - len(self.layout.coordinates)
-        if self.damped is not None and warps <= (self.warp is not None):
+        if self.damped is not None and warps <= self.layout.warps:
             return True
         static = self.R @ self.G + self.N
-        rest = static - (0.0 if self.warp is None else self.warped[..., None] * self.warp)
+        rest = static - self.warped @ self.integrators
         terms = np.abs(self.R) @ np.abs(self.G) + np.abs(self.N)
         return bool(np.all(np.abs(rest) <= CARRIED * terms))
 
@@ -247,13 +239,14 @@ class SecondOrder:
         return self.A, B, Y, D, self.on_road_velocity
 
     def velocity_form(self) -> tuple[Array, Array, Array, Array]:
-        """``x' = A x + B z_r'``, ``y = Y x + D z_r'`` over the road-relative ``x = (p, v)``, then the warp if any."""
+        """``x' = A x + B z_r'``, ``y = Y x + D z_r'`` over the road-relative ``x = (p, v)``, then the warps if any."""
         A, B = self.A, np.concatenate([-self.G, self.minv * self.C_in], axis=-2)
         Y = np.concatenate([self.on_position, self.on_velocity], axis=-1)
-        if self.warp is not None:
-            A = np.pad(A, [(0, 0)] * (A.ndim - 2) + [(0, 1), (0, 1)])
-            B = np.concatenate([B, np.broadcast_to(self.warp, (*B.shape[:-2], 1, B.shape[-1]))], axis=-2)
-            Y = np.concatenate([Y, self.on_warp[..., None]], axis=-1)
+        k = self.layout.warps
+        if k:
+            A = np.pad(A, [(0, 0)] * (A.ndim - 2) + [(0, k), (0, k)])
+            B = np.concatenate([B, np.broadcast_to(self.integrators, (*B.shape[:-2], k, B.shape[-1]))], axis=-2)
+            Y = np.concatenate([Y, self.on_integrators], axis=-1)
         return A, B, Y, self.on_road_velocity
 
     def actuated(self) -> tuple[Array, Array]:
@@ -302,7 +295,7 @@ class SecondOrder:
 
     def drifting(self, which: NDArray[np.bool_]) -> str:
         """What has no finite variance where the warp drifts."""
-        return "the warp of the road under the four wheels has no finite variance, so that SWS and DTL have none either"
+        return "the warp of the road under the wheels has no finite variance, so that SWS and DTL have none either"
 
     def unstable(self) -> NDArray[np.bool_]:
         """Designs with a mode that is not damped: not asymptotically stable. Eigenvalues tell where nothing else does.

@@ -64,8 +64,10 @@ def road_inputs(inputs: Sequence[str]) -> tuple[bool, dict[str, int]]:
     return bool(found[HEIGHT]), found[HEIGHT] or found[RATE]
 
 
-def checked_wheels(wheels: Mapping[str, tuple[int, int]] | None, driven: tuple[str, ...]) -> dict[str, Wheel]:
-    """The wheels by name, each with an input of its own."""
+def checked_wheels(
+    wheels: Mapping[str, tuple[int, int]] | None, driven: tuple[str, ...], axles: int = 2
+) -> dict[str, Wheel]:
+    """The wheels by name, each with an input of its own, on so many axles at most."""
     where = "LinearVehicle(wheels=...)"
     if wheels is None:
         if frozenset(driven) not in KNOWN_WHEELS:
@@ -83,12 +85,25 @@ def checked_wheels(wheels: Mapping[str, tuple[int, int]] | None, driven: tuple[s
         )
     checked = {}
     for name, place in wheels.items():
-        if not (isinstance(place, Sequence) and len(place) == 2 and place[0] in (0, 1) and place[1] in (-1, 0, 1)):
+        if not (
+            isinstance(place, Sequence) and len(place) == 2 and place[0] in range(axles) and place[1] in (-1, 0, 1)
+        ):
             raise ValueError(
-                f"{where}: {name!r} must be (axle, side) with axle 0 or 1 and side -1, 0 or 1, got {briefly(place)}"
+                f"{where}: {name!r} must be (axle, side) with axle 0 to {axles - 1} and side -1, 0 or 1, got "
+                f"{briefly(place)}; three axles need wheelbase=(second, third)"
             )
         checked[name] = Wheel(int(place[0]), int(place[1]))
     return checked
+
+
+def distances(wheelbase: Any) -> tuple[float, ...]:
+    """How far each axle is behind the first, from the wheelbase or several, in m, or what is wrong with them."""
+    if not isinstance(wheelbase, (tuple, list)):
+        wheelbase = (wheelbase,)
+    behind = [length("wheelbase", distance) for distance in wheelbase]
+    if behind != sorted(behind):
+        raise ValueError(f"LinearVehicle(wheelbase=...) must ascend from axle to axle, got {briefly(wheelbase)}")
+    return (0.0, *behind)
 
 
 def length(name: str, value: Any) -> float:

@@ -18,7 +18,8 @@ from .curves import Curve, check_place, rated
 from .decoupled import OnStruts, halves, whole
 from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
-from .points import checked_points, with_points
+from .points import as_kind, checked_points, with_points
+from .seats import Seat, checked_seats, with_seats
 from .second_order import Layout
 from .systems import control_system
 
@@ -37,6 +38,7 @@ class Vehicle(RoadVehicle):
 
     wheels: ClassVar[dict[str, Wheel]]
     per_corner: ClassVar[tuple[str, ...]] = ()
+    seats: ClassVar[tuple[str, ...]] = ()
 
     def linkage(self) -> Linkage:
         """Masses, corners and links: the vehicle's physics as data."""
@@ -67,9 +69,11 @@ class Vehicle(RoadVehicle):
     def settings(cls) -> dict[str, tuple[str, tuple[str, ...]]]:
         """Field and wheels of every name that sets a parameter: ``ks`` everywhere, ``ks_front`` or ``ks_rl`` there."""
         places: dict[str, tuple[str, ...]] = {name: (name,) for name in cls.wheels if name}
+        last = max(wheel.axle for wheel in cls.wheels.values())
         for place, part, value in (
             ("front", "axle", 0),
-            ("rear", "axle", 1),
+            *([("middle", "axle", 1)] if last == 2 else []),
+            ("rear", "axle", last),
             ("right", "side", -1),
             ("left", "side", 1),
         ):
@@ -137,26 +141,30 @@ class Vehicle(RoadVehicle):
         if value is None and getattr(type(self), name) is None:
             return None
         if isinstance(value, list) and name in self.per_corner:
-            each = "(first, second)" if len(self.wheels) == 2 else "Corners(fr=, fl=, rr=, rl=)"
             raise TypeError(
-                f"{where} got a list of {len(value)}, which may be wheels or designs; pass {each} for the wheels, or "
-                "numpy.array([...]) for designs"
+                f"{where} got a list of {len(value)}, which may be wheels or designs; pass {self._each()} for the "
+                "wheels, or numpy.array([...]) for designs"
             )
         if isinstance(value, Corners) and name in self.per_corner and len(self.wheels) == 4:
             parts = zip(Corners.__dataclass_fields__, value, strict=True)
             return Corners(**{corner: _passed(part, f"{where} at corner {corner}", quantity) for corner, part in parts})
         if isinstance(value, tuple) and name in self.per_corner:
-            if len(self.wheels) != 2 or len(value) != 2:
-                raise ValueError(
-                    f"{where} got the tuple {value!r}; pass one value, or "
-                    + ("(first, second)" if len(self.wheels) == 2 else "Corners(fr=, fl=, rr=, rl=)")
-                )
+            if len(value) == len(self.axles) > 2:
+                value = tuple(value[wheel.axle] for wheel in self.wheels.values())
+            if len(self.wheels) == 4 or len(value) != len(self.wheels):
+                raise ValueError(f"{where} got the tuple {value!r}; pass one value, or {self._each()}")
             ends = zip(self.wheels, value, strict=True)
             return tuple(_passed(part, f"{where} at end {end}", quantity) for end, part in ends)
         if isinstance(value, Corners):
-            takes = "(first, second)" if name in self.per_corner else "one value"
+            takes = self._each() if name in self.per_corner else "one value"
             raise TypeError(f"{where} takes {takes}, got Corners")
         return _passed(value, where, quantity)
+
+    def _each(self) -> str:
+        """How a parameter is given for each wheel."""
+        if len(self.wheels) == 4:
+            return "Corners(fr=, fl=, rr=, rl=)"
+        return "(first, second)" if len(self.wheels) == 2 else f"(front, middle, rear) or ({', '.join(self.wheels)})"
 
     def values(self) -> list[Any]:
         """Every parameter value, those of the corners one by one."""
@@ -210,9 +218,10 @@ class Vehicle(RoadVehicle):
         return tuple(value) if isinstance(value, (Corners, tuple)) else (value,) * len(self.wheels)
 
     @property
-    def wheelbase(self) -> Any:
-        """Distance between the axles in m; 0 for a vehicle with one."""
-        return getattr(self, "a", 0.0) + getattr(self, "b", 0.0)
+    def axles(self) -> tuple[Any, ...]:
+        """How far each axle is behind the first, in m: ``a + b`` where there are two."""
+        own: Any = self
+        return (0.0, own.a + own.b) if hasattr(own, "a") else (0.0,)
 
     @property
     def track_width(self) -> Any:
@@ -281,10 +290,38 @@ class Vehicle(RoadVehicle):
         ('cg', 'fr', 'fl', 'rr', 'rl', 'driver')
         """
         own: Any = type(self)
-        kind = with_points(own, checked_points(points, type(self).__name__, self.linkage()))
-        vehicle: Vehicle = object.__new__(kind)
-        for name, value in vars(self).items():
-            object.__setattr__(vehicle, name, value)
+        vehicle: Vehicle = as_kind(self, with_points(own, checked_points(points, own.__name__, self.linkage())))
+        return vehicle
+
+    def with_seats(self, seats: Mapping[str, Seat]) -> Vehicle:
+        """The same vehicle with people on seats: one more mass, spring and damper each, coupled to the body.
+
+        The fields ``seat_x``, ``seat_y``, ``seat_mass``, ``seat_ks`` and ``seat_cs``, with the name of the seat behind
+        them (``seat_ks_driver``), are parameters of the vehicle like any other: sweeps, sensitivities and
+        `replaced` know them. ``bacc`` is measured on the seat, at the point of its name, and on the floor below it
+        (``driver_floor``), ``seat_travel`` on dim "seat".
+
+        Parameters
+        ----------
+        seats : mapping of str to Seat
+
+        Raises
+        ------
+        TypeError, ValueError
+            No such mapping, a name that is taken, or a place that the model's body does not have.
+
+        Examples
+        --------
+        >>> from susp_ss import FullCar, Road, Seat, sensitivity
+        >>> car = FullCar().with_seats({"driver": Seat(x=0.3, y=0.4, ks=30e3)})
+        >>> car.seat_ks_driver
+        30000.0
+        >>> sensitivity(car, Road(), ["seat_ks_driver"], weighting="Wk").bacc.sel(point="driver").item() > 0.0
+        True
+        """
+        own: Any = type(self)
+        fields = checked_seats(seats, own.__name__, self.linkage())
+        vehicle: Vehicle = with_seats(own, tuple(seats), tuple(fields))(**vars(self), **fields)
         return vehicle
 
     def assemble(self) -> Any:

@@ -135,8 +135,10 @@ def _displacements(vehicle: Vehicle, shape: Any, phase: float) -> NDArray[np.flo
 
 def _draw(axes: Axes, vehicle: Vehicle, moved: NDArray) -> None:
     """The car at rest and with its body and wheels displaced, moved (2, corners) in metres of the drawing."""
-    forward = (getattr(vehicle, "a", 0.0), -getattr(vehicle, "b", 0.0))
-    places = np.array([(forward[axle], 0.5 * side * vehicle.track_width) for axle, side in vehicle.wheels.values()])
+    first = getattr(vehicle, "a", 0.0)
+    places = np.array(
+        [(first - vehicle.axles[axle], 0.5 * side * vehicle.track_width) for axle, side in vehicle.wheels.values()]
+    )
     from_behind = not np.ptp(places[:, 0]) and np.ptp(places[:, 1]) > 0.0
     across = np.array([[-1.0, 0.0]]) if from_behind else DEPTH[None]
     ground = np.outer(places[:, 0], [1.0, 0.0]) + places[:, 1:] * across
@@ -151,9 +153,10 @@ def _draw(axes: Axes, vehicle: Vehicle, moved: NDArray) -> None:
             axes.plot(*np.transpose([hub, mount]), color=colours[0], linewidth=0.8)
             width = RADIUS * (0.7 if from_behind else 2.0)
             axes.add_patch(Ellipse(hub, width, 2.0 * RADIUS, fill=False, edgecolor=colours[1], linewidth=1.2))
-        if len(body) == 4:
-            axes.add_patch(Polygon(body[[0, 1, 3, 2]], facecolor=(*mpl.colors.to_rgb(colours[0]), 0.25), linewidth=0))
-            axes.plot(*body[[0, 1, 3, 2, 0]].T, color=colours[0], linewidth=1.5, label=label or "body")
+        if len(body) > 2:
+            outline = body[[0, *range(1, len(body), 2), *range(len(body) - 2, -1, -2)]]
+            axes.add_patch(Polygon(outline, facecolor=(*mpl.colors.to_rgb(colours[0]), 0.25), linewidth=0))
+            axes.plot(*outline.T, color=colours[0], linewidth=1.5, label=label or "body")
         else:
             line = body if len(body) == 2 else body + np.array([[-0.4, 0.0], [0.4, 0.0]])
             axes.plot(*line.T, color=colours[0], linewidth=3.0, label=label or "body")

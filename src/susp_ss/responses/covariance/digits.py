@@ -52,7 +52,8 @@ def extreme(struts: Array, compliance: Array, light: float) -> bool:
     """Whether some design is so far from any vehicle, or its damping so light, that its digits have to be counted."""
     mu, ks, cs, kt, ct = np.moveaxis(struts, 1, 0)
     masses = np.concatenate([mu, 1.0 / np.einsum("iin->in", compliance)])
-    stiffnesses = np.concatenate([ks, kt])
+    # What has no tyre is a seat.
+    stiffnesses = np.concatenate([ks, kt[kt.any(axis=1)]])
     damping = (cs + ct) / np.sqrt((ks + kt) * mu)
     spread = max(float((x.max(axis=0) / x.min(axis=0)).max()) for x in (masses, stiffnesses))
     return not (spread < SPREAD and damping.min() > light and damping.max() < HEAVY)
@@ -77,7 +78,13 @@ def track_in_other_units(road: Track) -> Track:
 
 def disagreement(variances: Array, other: Array, outputs: Outputs, agreed: float) -> NDArray[np.bool_]:
     """Designs (N,) of which some variance (outputs, N) is not the same in other units, but for such a share."""
-    units = {"sws": 1.0, "tyre_deflection": 1.0, "dtl": MASS**2 * TIME**-4.0, "sws_rate": TIME**-2.0}
+    units = {
+        "sws": 1.0,
+        "seat_travel": 1.0,
+        "tyre_deflection": 1.0,
+        "dtl": MASS**2 * TIME**-4.0,
+        "sws_rate": TIME**-2.0,
+    }
     same = other / np.array([units.get(row.quantity.name, TIME**-4.0) for row in outputs.rows])[:, None]
     with np.errstate(invalid="ignore"):
         return np.logical_or.reduce((variances != same) & ~(np.abs(variances - same) < agreed * variances))

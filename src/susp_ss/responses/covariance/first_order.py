@@ -1,132 +1,166 @@
-"""A first-order system ``x' = A x + front u(t) + rear u(t - tau)``: what one process and its delay stir up.
+"""A first-order system ``x' = A x + sum_j b_j u(t - tau_j)``: what one process stirs up, met by one axle after another.
 
 A spectrum of white noise and first-order colours adds its parts to the right-hand side of one Lyapunov equation ``A X +
-X A^T + Q = 0``. With ``e = e^(A tau) front``:
+X A^T + Q = 0``. With ``e_ij = e^(A (tau_j - tau_i)) b_i`` for an axle i ahead of j:
 
-- white of intensity q: ``Q = q (front front^T + rear rear^T + e rear^T + rear e^T)``;
-- colour of autocorrelation ``s^2 e^(-alpha |t|)``: ``Q = front g^T + rear h^T`` and its transpose, with
-  ``g = E[x u(t)]`` and ``h = E[x u(t - tau)]``.
+- white of intensity q: ``Q = q sum_j [b_j b_j^T / 2 + sum_(i ahead of j) e_ij b_j^T]`` and its transpose;
+- colour of autocorrelation ``s^2 e^(-alpha |t|)``: ``Q = sum_j g_j b_j^T`` and its transpose, ``g_j = E[x u(t - tau_j)]
+  = s^2 [(alpha I - A)^-1 (sum_i ahead e_ij + sum_(i not ahead) e^(-alpha (tau_i - tau_j)) b_i) + sum_(i ahead) f_ij]``
+  with ``f_ij = int_0^(tau_j - tau_i) e^(A (tau_j - tau_i - s)) b_i e^(-alpha s) ds``.
 
-The road's warp is the integral of a velocity over the delay and joins by its own closed-form moments. All of this is
+The road's warps are integrals of the velocity over delays and join by their own closed-form moments. All of this is
 written once, for arrays as well as for the dual numbers that carry derivatives.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
 
 
 class Spectrum(NamedTuple):
-    """A process's velocity spectrum, arrays or dual numbers: white (N, 1) or a number, rates and weights (N, J)."""
+    """A process's velocity spectrum, arrays or dual numbers: white (N, 1, 1), rates and weights (N, J)."""
 
     white: Any
     alphas: Any
     weights: Any
 
 
-class PassedOn(NamedTuple):
-    """A velocity u of finite variance: E[u^2] and E[u(t) u(t - tau)] (N, 1), and E[x u], E[warp u] now and late."""
-
-    variance: Any
-    lagged: Any
-    states: Any
-
-    def through(self, now: Any, late: Any, with_now: Any, with_late: Any) -> Any:
-        """What outputs (N, outputs) gain by passing it on, now and late, and by going with it in the states."""
-        crossed = now * with_now + late * with_late + now * late * self.lagged
-        return 2.0 * crossed + (now * now + late * late) * self.variance
-
-
 class Correlations:
-    """Correlations of the states of N designs with a process, now and a delay ago.
+    """Correlations of the states of N designs with a process, as each axle meets it.
 
     Parameters
     ----------
     dynamics : Dynamics
         ``solve`` is ``A^-1 x``, and ``resolvent`` is ``(alpha I - A)^-1 x``.
-    front, rear : (N, 2n, 1)
-        How the process enters at once, and after the delay.
-    free : (N, 2n, 1)
-        ``e^(A tau) front``.
-    forced : (N, J, 2n, 1)
-        ``int_0^tau e^(A (tau - s)) front e^(-alpha s) ds`` for each colour.
+    entries : sequence of (N, 2n, 1)
+        How the process enters by each axle, the first in front.
+    taus : sequence of (N,)
+        How long after the first the axles meet it, ascending from zero.
+    carry : callable
+        ``carry(i, j)`` is ``e_ij`` (N, 2n, 1) and ``f_ij`` (N, J, 2n, 1) of each colour.
     spectrum : Spectrum
-    tau : (N,)
     """
 
     def __init__(
-        self, dynamics: Any, front: Any, rear: Any, free: Any, forced: Any, spectrum: Spectrum, tau: Any
+        self,
+        dynamics: Any,
+        entries: Sequence[Any],
+        taus: Sequence[Any],
+        carry: Callable[[int, int], tuple[Any, Any]],
+        spectrum: Spectrum,
     ) -> None:
-        self.dynamics, self.front, self.rear, self.free, self.forced = dynamics, front, rear, free, forced
-        self.white = spectrum.white
+        self.dynamics, self.entries, self.white = dynamics, entries, spectrum.white
         self.alphas, self.weights = spectrum.alphas[:, :, None, None], spectrum.weights[:, :, None, None]
-        self.tau = tau[:, None, None, None]
-        self.decay = np.exp(-(self.alphas * self.tau))
-        # For a colour u of unit sigma^2: E[x u(t)], and the first half of E[x u(t - tau)].
-        now, before = front[:, None] + self.decay * rear[:, None], (rear + free)[:, None] + 0.0 * self.decay
-        both = dynamics.resolvent(self.alphas, np.concatenate([now, before], axis=-1))
-        self.now, self.before = both[..., :1], both[..., 1:]
+        axles = range(len(entries))
+        pairs = list(combinations(axles, 2))
+        self.apart = {(i, j): (taus[j] - taus[i])[:, None, None, None] for i, j in pairs}
+        self.decay = {pair: np.exp(-(self.alphas * apart)) for pair, apart in self.apart.items()}
+        carried = [[carry(i, j) for i in range(j)] for j in axles]
+        self.free = [[free for free, _ in ahead] for ahead in carried]
+        nothing = 0.0 * self.alphas
+        self.forced = [sum((forced for _, forced in ahead), nothing) for ahead in carried]
+        # For a colour u of unit sigma^2, E[x u(t - tau_j)] but for the forcing.
+        columns = [
+            sum((free[:, None] for free in self.free[j]), nothing)
+            + sum((self.decay[j, i] * entries[i][:, None] for i in axles if i > j), entries[j][:, None])
+            for j in axles
+        ]
+        resolved = dynamics.resolvent(self.alphas, np.concatenate(columns, axis=-1))
+        self.resolved = [resolved[..., j : j + 1] for j in axles]
+
+    @property
+    def sigma2(self) -> Any:
+        return 0.5 * self.weights * self.alphas
+
+    def left(self, i: int, j: int) -> Any:
+        """How much of each colour is left from axle to axle."""
+        return 1.0 if i == j else self.decay[min(i, j), max(i, j)]
+
+    def memory(self, i: int, j: int) -> Any:
+        """``int_0^(tau_j - tau_i) e^(-alpha |s|) ds``, odd in its axles."""
+        if i == j:
+            return 0.0
+        over = -np.expm1(-(self.alphas * self.apart[min(i, j), max(i, j)])) / self.alphas
+        return over if i < j else -over
+
+    def with_velocity(self, j: int) -> Any:
+        """``E[x u(t - tau_j)]`` (N, 2n, 1), of colours."""
+        return np.real((self.sigma2 * (self.resolved[j] + self.forced[j])).sum(axis=-3))
 
     def right_hand_side(self) -> Any:
         """The process's share of Q, (N, 2n, 2n)."""
-        front, rear, white = self.front, self.rear, self.white
-        sigma2 = 0.5 * self.weights * self.alphas
-        g, h = (np.real((sigma2 * x).sum(axis=-3)) for x in (self.now, self.before + self.forced))
-        half = front * (0.5 * white * front + g).mT + rear * (white * (0.5 * rear + self.free) + h).mT
+        half: Any = 0.0
+        for j, entry in enumerate(self.entries):
+            white = self.white * sum(self.free[j], 0.5 * entry)
+            half = half + entry * (white + self.with_velocity(j)).mT
         return half + half.mT
 
-    def warp(self, now: float, later: float) -> tuple[Any, Any]:
-        """``E[x warp]`` (N, 2n, 1) and ``E[warp^2]`` (N, 1) of a warp of rate ``now * u(t) + later * u(t - tau)``."""
-        if now + later != 0.0:
-            # Bounded by the cut-off alone: the height itself is the sum of colours of variance -weight / (2 alpha).
-            height = -0.5 * self.weights / self.alphas
-            cross = self.alphas * height * (now * self.now + later * (self.before - self.forced))
-            own = height * (now**2 + later**2 + 2.0 * now * later * self.decay)
-            return np.real(cross.sum(axis=-3)), np.real(own.sum(axis=-3)[:, :, 0])
-        # The warp is the process's velocity integrated over the delay.
-        tau = self.tau
-        memory = -np.expm1(-(self.alphas * tau)) / self.alphas
-        sigma2 = 0.5 * self.weights * self.alphas
-        coloured = (sigma2 * (self.now - self.before - self.forced)).sum(axis=-3)
-        coloured = coloured + (self.front + self.rear) * (sigma2 * memory).sum(axis=-3)
-        cross = self.dynamics.solve(self.white * (self.free - self.front) - np.real(coloured))
-        own = self.white * tau[:, 0] + np.real((self.weights * (tau - memory)).sum(axis=-3))
-        return now * cross, now**2 * own[:, :, 0]
+    def with_height(self, j: int, bounded: bool) -> Any:
+        """``E[x z(t - tau_j)]`` (N, 2n, 1) of the height z; where that is not bounded, of ``z(t - tau_j) - z(t)``."""
+        if bounded:
+            # By the cut-off alone: the height itself is the sum of colours of variance -weight / (2 alpha).
+            return np.real((-0.5 * self.weights * (self.resolved[j] - self.forced[j])).sum(axis=-3))
+        if j == 0:
+            return 0.0 * self.entries[0]
+        passed: Any = sum(free - self.entries[i] for i, free in enumerate(self.free[j]))
+        coloured = (self.sigma2 * (self.resolved[0] - self.resolved[j] - self.forced[j])).sum(axis=-3)
+        for i, entry in enumerate(self.entries):
+            coloured = coloured + entry * (self.sigma2 * (self.memory(0, i) + self.memory(i, j))).sum(axis=-3)
+        return -self.dynamics.solve(self.white * passed - np.real(coloured))
 
-    def integrated(self, at_once: Any, drift: Any) -> tuple[Any, Any]:
-        """``E[x h]`` (N, n, k) and ``E[h h^T]`` (N, k, k) of k integrals ``h``, whose rates are rows (N, k).
+    def of_heights(self, i: int, j: int, bounded: bool) -> Any:
+        """``E[z(t - tau_i) z(t - tau_j)]`` (N, 1, 1), i <= j; unbounded, less what cancels if nothing drifts."""
+        if bounded:
+            return np.real((-0.5 * self.weights / self.alphas * self.left(i, j)).sum(axis=-3))
+        if i == j:
+            return 0.0
+        tau = self.apart[i, j]
+        coloured = np.real((self.weights * (tau - self.memory(i, j))).sum(axis=-3))
+        return -0.5 * (self.white * tau[:, 0] + coloured)
 
-        ``h' = at_once u(t) + (drift - at_once) u(t - tau)``: where nothing drifts, all are one integral over the delay.
+    def of_velocities(self, i: int, j: int) -> Any:
+        """``E[u(t - tau_i) u(t - tau_j)]`` (N, 1, 1), of colours."""
+        return np.real((self.sigma2 * self.left(i, j)).sum(axis=-3))
+
+    def height_with_velocity(self, i: int, j: int, bounded: bool) -> Any:
+        """``E[z(t - tau_i) u(t - tau_j)]`` (N, 1, 1); where z is not bounded, of ``z(t - tau_i) - z(t - tau_j)``."""
+        if bounded:
+            sign = float(np.sign(i - j))
+            return np.real((0.5 * sign * self.weights * self.left(i, j)).sum(axis=-3))
+        return np.real((self.sigma2 * self.memory(i, j)).sum(axis=-3))
+
+    def integrated(self, rates: Sequence[Any], bounded: bool) -> tuple[Any, Any]:
+        """``E[x h^T]`` (N, 2n, k) and ``E[h h^T]`` (N, k, k) of k integrals ``h' = sum_j rates_j u(t - tau_j)``.
+
+        Rates are rows (N, k). Unless the height is ``bounded``, they add up to zero.
         """
-        at_once, later = at_once[:, None], (drift - at_once)[:, None]
-        if not drift.any():
-            cross, own = self.warp(1.0, -1.0)
-            return cross * at_once, own[..., None] * (at_once.mT * at_once)
-        cross, own = self.warp(1.0, 0.0)
-        own = own[..., None]
-        if not later.any():
-            return cross * at_once, own * (at_once.mT * at_once)
-        both = 0.5 * self.warp(1.0, 1.0)[1][..., None] - own
-        mixed = at_once.mT * later
-        return (
-            cross * at_once + self.warp(0.0, 1.0)[0] * later,
-            own * (at_once.mT * at_once + later.mT * later) + both * (mixed + mixed.mT),
+        rows = [rate[:, None] for rate in rates]
+        cross: Any = sum(self.with_height(j, bounded) * row for j, row in enumerate(rows))
+        half: Any = sum(
+            (1.0 if i < j else 0.5) * self.of_heights(i, j, bounded) * (one.mT * rows[j])
+            for i, one in enumerate(rows)
+            for j in range(i, len(rows))
         )
+        return cross, half + half.mT
 
-    def passed_on(self, now: Any, later: Any) -> PassedOn:
-        """What a velocity of finite variance (``white`` is zero) has to do with the states and the warp of `warp`."""
-        sigma2 = 0.5 * self.weights * self.alphas
-        g, h, variance, lagged = (
-            np.real((sigma2 * x).sum(axis=-3))
-            for x in (self.now, self.before + self.forced, 1.0 + 0.0 * self.decay, self.decay)
-        )
-        if np.any(now + later):
-            # The height is the sum of colours of variance -weight / (2 alpha), and the velocity its derivative.
-            slope = np.real((-0.5 * self.weights * self.decay).sum(axis=-3))
-            with_warp = -later * slope, now * slope
-        else:
-            memory = -np.expm1(-(self.alphas * self.tau)) / self.alphas
-            with_warp = (now * np.real((sigma2 * memory).sum(axis=-3)),) * 2
-        return PassedOn(variance[..., 0], lagged[..., 0], ((g, with_warp[0]), (h, with_warp[1])))
+    def passed_on(
+        self, feeds: Sequence[Any], on_states: Any, on_integrals: Any, rates: Sequence[Any], bounded: bool
+    ) -> Any:
+        """What outputs (N, outputs) gain by ``sum_j feeds_j u(t - tau_j)`` of finite variance (``white`` is zero).
+
+        By itself, with the states, of which they see ``on_states`` (N, outputs, 2n), and with the integrals of
+        `integrated`, of which they see ``on_integrals`` (N, outputs, k).
+        """
+        total: Any = 0.0
+        for j, feed in enumerate(feeds):
+            beside = (on_states @ self.with_velocity(j))[:, :, 0]
+            for i, rate in enumerate(rates):
+                felt = (on_integrals @ rate[:, :, None])[:, :, 0]
+                beside = beside + felt * self.height_with_velocity(i, j, bounded)[:, :, 0]
+                total = total + feed * feeds[i] * self.of_velocities(i, j)[:, :, 0]
+            total = total + 2.0 * feed * beside
+        return total

@@ -21,7 +21,7 @@ from ...vehicles.contract import RoadVehicle
 from ...vehicles.linear import LinearModel
 from ...vehicles.parameters import DesignSpace, SomeDesigns
 from ...vehicles.second_order import SecondOrder
-from ..excitation import check_kinds, check_stationary, delay, infinite_outputs, integrated, processes, spanned
+from ..excitation import check_kinds, check_stationary, delays, infinite_outputs, integrated, processes, spanned
 from .first_order import Correlations, Spectrum
 from .lyapunov import Dynamics
 from .modal import Modal
@@ -154,33 +154,34 @@ def _first_order(model: LinearModel) -> System:
 def _solved(vehicle: RoadVehicle, model: Any, road: Road, N: int) -> Moments:
     dynamics, inputs, stretch = _second_order(model, N) if model.second_order else _first_order(model)
     n, k = inputs.shape[-2], model.integrators.shape[-2]
-    tau = np.broadcast_to(delay(vehicle, road), (N,))
+    taus = [np.broadcast_to(tau, (N,)).astype(float) for tau in delays(vehicle, road)]
     width = np.broadcast_to(vehicle.track_width, (N,)).astype(float)
 
     Y, D = model.velocity_form()[2:]
+    on_states, on_integrals = Y[..., :n] * stretch[..., None, :], np.broadcast_to(Y[..., n:], (N, Y.shape[-2], k))
     Q, through = np.zeros((N, n, n)), np.zeros((N, Y.shape[-2]))
     with_drift, of_drift = np.zeros((N, n, k)), np.zeros((N, k, k))
     excited = processes(vehicle, road)
     for process in excited:
-        terms = colours(road, process.share, process.sign, width)
+        terms, axles = colours(road, process.share, process.sign, width), process.axles
         spectrum = Spectrum(terms.white[:, :, None], terms.alphas, terms.weights)
-        front, rear = (np.broadcast_to(inputs @ side, (N, n))[..., None] for side in (process.now, process.later))
-        free, forced = front, np.zeros((N, spectrum.alphas.shape[1], n, 1))
-        if process.later.any():
-            free, forced = dynamics.propagate(front[..., 0], tau, spectrum.alphas)
-        stirred = Correlations(dynamics, front, rear, free, forced, spectrum, tau)
+        entries = [np.broadcast_to(inputs @ process.weights[axle], (N, n))[..., None] for axle in axles]
+        met = [taus[axle] for axle in axles]
+
+        def carry(i: int, j: int, entries: Any = entries, met: Any = met, alphas: Any = terms.alphas) -> Any:
+            return dynamics.propagate(entries[i][..., 0], met[j] - met[i], alphas)
+
+        stirred = Correlations(dynamics, entries, met, carry, spectrum)
         Q += stirred.right_hand_side()
-        at_once, drift = (np.broadcast_to(rate, (N, k)) for rate in integrated(model, process))
-        if at_once.any() or drift.any():
-            cross, own = stirred.integrated(at_once, drift)
+        each, drift = integrated(model, process)
+        rates, bounded = [np.broadcast_to(each[axle], (N, k)) for axle in axles], bool(drift.any())
+        if each.any():
+            cross, own = stirred.integrated(rates, bounded)
             with_drift += cross
             of_drift += own
         if road.velocity_is_bounded and D.any():
-            now, late = (np.broadcast_to(D @ side, through.shape) for side in (process.now, process.later))
-            passed = stirred.passed_on(at_once[..., None], (drift - at_once)[..., None])
-            with_velocity = [np.concatenate([stretch[..., None] * x, h], axis=-2) for x, h in passed.states]
-            with_now, with_late = ((Y @ x)[..., 0] for x in with_velocity)
-            through += passed.through(now, late, with_now, with_late)
+            feeds = [np.broadcast_to(D @ process.weights[axle], through.shape) for axle in axles]
+            through += stirred.passed_on(feeds, on_states, on_integrals, rates, bounded)
 
     X, error = dynamics.lyapunov(Q)
     X = X * (stretch[..., :, None] * stretch[..., None, :])

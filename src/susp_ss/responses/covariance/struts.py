@@ -8,13 +8,13 @@ deflect the struts by
     [s^2 (E + kappa) + E U kappa] d = s T w.
 
 The determinant of this matrix of polynomials is ``s^(2 (S - B)) D``, and its minors of k > B rows hold ``s^(2 (k -
-B))``: exact zeros, which are left out. Every output is then ``[P(s) u(t) + Q(s) u(t - tau)] / (s D)`` for a road whose
-wheels see ``now u(t) + later u(t - tau)``. D has degree ``2 (S + B)``: 14 for a full car, 18 for a truck of three
-axles.
+B))``: exact zeros, which are left out. Every output is then ``sum_j P_j(s) u(t - tau_j) / (s D)`` for a road that the
+wheels of axle j see as ``weights_j u(t - tau_j)``. D has degree ``2 (S + B)``: 14 for a full car, 18 for a truck of
+three axles.
 
-With ``s D X = u`` every variance is a fixed combination of the derivatives of X's autocorrelation R at 0 and at tau.
-X itself drifts; where the wheels' heights together carry the body without warping it, ``P(0) + Q(0) = 0``, and R counts
-from R(0) alone.
+With ``s D X = u`` every variance is a fixed combination of the derivatives of X's autocorrelation R at 0 and at the
+times from axle to axle. X itself drifts; where the wheels' heights together carry the body without warping it, ``sum_j
+P_j(0) = 0``, and R counts from R(0) alone.
 """
 
 from __future__ import annotations
@@ -53,6 +53,14 @@ class Linked(NamedTuple):
 
     D: Array
     signals: Array
+
+
+class Move(NamedTuple):
+    """The time (N,) from one axle to another, and what carries over it: an operator of `moved`, so many times."""
+
+    tau: Array
+    step: Array
+    steps: int
 
 
 @cache
@@ -245,18 +253,17 @@ def together(
 def excited(
     linked: Linked,
     B: int,
+    axles: list[int],
     weights: Array,
     steep: bool,
     road: Track,
-    tau: Array,
-    step: Array,
-    steps: int,
+    moves: dict[tuple[int, int], Move],
     kernels: Any,
 ) -> Array:
     """Second moments of the body's B accelerations, of deflections, tyres and rates, (B^2 + 3 S, N), on one process.
 
-    Wheels see it by ``weights`` (2, S), at once and after the delay. The moments are nan where their heights warp the
-    body without bound: all together or, on a ``steep`` road, those at once.
+    Wheels see it by ``weights`` (axles, S), one axle after the other. The moments are nan where their heights warp the
+    body without bound: all together or, on a ``steep`` road, those of an axle.
     """
     D, N = linked.D, linked.D.shape[1]
     n, none = len(D) - 1, np.zeros((0, N))
@@ -265,25 +272,38 @@ def excited(
     road = Track(road.level, road.real._replace(alphas=real), road.swinging._replace(alphas=swinging))
     even = np.zeros((n + 1, N))
     even[1:] = -kernels.start(D, road)
-    derivatives, sides = (even, none, none), weights[:1]
-    if weights[1].any():
+
+    def alone(side: int) -> Array:
+        nowhere = np.empty((0, 0, 0))
+        return np.asarray(kernels.together(linked, weights[side : side + 1], B, (even, none, none), nowhere, 0))
+
+    if len(axles) == 1:
+        out = alone(0)
+    else:
         # The exponentials that colours leave in R cross the delay by themselves, without value and slope at 0.
-        free, gone, count, sides = np.zeros((2 * n + 2, N)), none, 2 * n + 2, weights
+        free, gone, count = np.zeros((2 * n + 2, N)), none, 2 * n + 2
         free[::2] = even
+        g, h = none, none
         if len(real) or len(swinging):
             g = polynomials.fading(road.real, real_both, True)
             h = polynomials.fading(road.swinging, swinging_both, True)
             free -= polynomials.decaying(g, real, 2, count) + polynomials.decaying(h, swinging, 2, count).real
-            gone = polynomials.faded(g, real * tau, real, True, count)
-            gone += polynomials.faded(h, swinging * tau, swinging, True, count).real
         free[-1] = -polynomials.applied(D[:-1], free[n + 1 : -1])
-        derivatives = even, free, gone
+        # Pairs of axles hold each alone, among more than two too often.
+        out = np.zeros((B * B + 3 * weights.shape[-1], N))
+        if len(axles) > 2:
+            out += (2 - len(axles)) * np.sum([alone(side) for side in range(len(axles))], axis=0)
+        for sides in combinations(range(len(axles)), 2):
+            tau, step, steps = moves[axles[sides[0]], axles[sides[1]]]
+            if len(real) or len(swinging):
+                gone = polynomials.faded(g, real * tau, real, True, count)
+                gone += polynomials.faded(h, swinging * tau, swinging, True, count).real
+            out += kernels.together(linked, weights[list(sides)], B, (even, free, gone), step, steps)
     at_rest = linked.signals[:, B : -len(linked.signals), 0]
 
     def warped(weights: Array) -> Array:
         return np.abs(np.einsum("jin,j->in", at_rest, weights)).sum(axis=0)
 
-    warp = warped(weights.sum(axis=0)) + steep * warped(weights[0])
+    warp = warped(weights.sum(axis=0)) + steep * sum(map(warped, weights[:-1]), warped(weights[0]))
     size = np.einsum("jin,j->n", np.abs(at_rest), np.abs(weights).sum(axis=0))
-    out = kernels.together(linked, sides, B, derivatives, step, steps)
     return np.where(warp > BALANCED * size, np.nan, out)

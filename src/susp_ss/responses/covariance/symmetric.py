@@ -14,7 +14,7 @@ from ...roads.road import Road
 from ...vehicles.contract import RoadVehicle
 from ...vehicles.decoupled import OnStruts
 from ...vehicles.second_order import Outputs
-from ..excitation import Process, delay, processes, steep
+from ..excitation import Process, delays, processes, steep
 from . import digits, polynomials
 from .polynomials import Array, Body, Colours, Delay, OneStrut, Track, TwoStruts
 
@@ -93,10 +93,10 @@ def problems(halves: Sequence[OnStruts], vehicle: RoadVehicle, road: Road, N: in
         return []
     if road.velocity_is_bounded and any(np.any(strut.ct) for half in halves for strut in half.struts.values()):
         return []
-    tau = np.broadcast_to(np.asarray(delay(vehicle, road), dtype=float), N)
+    tau = np.broadcast_to(np.asarray(delays(vehicle, road)[-1], dtype=float), N)
     width = np.broadcast_to(np.asarray(vehicle.track_width, dtype=float), N)
     excited = processes(vehicle, road)
-    if any(steep(difference, road) and difference.later.any() for difference in excited[1:]):
+    if any(steep(difference, road) and difference.delayed for difference in excited[1:]):
         return []
     # On identical tracks the half difference of left and right is nothing.
     pairs = zip(halves, excited, strict=False)
@@ -123,7 +123,7 @@ def _problem(half: OnStruts, road: Road, process: Process, tau: Array, width: Ar
         },
         road=as_track(spectrum),
         tau=tau,
-        delayed=bool(process.later.any()),
+        delayed=process.delayed,
     )
 
 

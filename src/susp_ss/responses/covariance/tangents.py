@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Container, Sequence
+from itertools import combinations, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from ...roads.colours import colours
 from ...roads.road import Road
 from ...vehicles.second_order import SecondOrder, beyond_rounding
 from ...vehicles.vehicle import Vehicle
-from ..excitation import Process, processes
+from ..excitation import Process, integrated, processes
 from ..settings import Setting
 from .dual import Array, Dual
 from .first_order import Correlations, Spectrum
@@ -47,15 +48,16 @@ class Tangents(NamedTuple):
 
 
 class _System(NamedTuple):
-    """``x' = A x + B z_r'``, ``y = Y x + on_warp * warp + D z_r'``, the dampers, and where the wheels are."""
+    """``x' = A x + B w``, ``h' = warps w``, ``y = Y x + on_warps h + D w``, w the road's velocity, and more."""
 
     A: Dual
     B: Dual
     Y: Dual
     D: Dual
-    on_warp: Dual
+    on_warps: Dual
+    warps: Dual
     damping: Dual
-    wheelbase: Dual
+    axles: list[Dual]
     track_width: Dual
 
 
@@ -69,48 +71,56 @@ def variance_tangents(vehicle: Vehicle, road: Road, settings: Sequence[Setting],
     for name in ROAD:
         value = np.broadcast_to(np.asarray(getattr(road, name), dtype=float), N)
         ground[name] = Dual(value, np.broadcast_to(_along(settings, name), (len(settings), N)))
-    tau = system.wheelbase / ground["speed"]
-    if not any(process.later.any() for process in excited):
-        tau = 0.0 * tau
+    taus = [distance / ground["speed"] for distance in system.axles]
 
     A = system.A
     n = A.shape[-1] // 2
     free_dynamics = Dynamics(-A[:, n:, :n], -A[:, n:, n:])
     dynamics = Dynamics(free_dynamics.K.value, free_dynamics.C.value)
     spectra = [_spectrum(road, process, system.track_width, ground) for process in excited]
-    fronts = [(system.B @ process.now)[:, :, None] for process in excited]
-    E, forced = _carried(dynamics, A, tau, fronts, spectra[0].alphas)
+    entered = [[(system.B @ weights)[:, :, None] for weights in process.weights] for process in excited]
+    alphas = [spectrum.alphas for spectrum in spectra]
+    carried = {
+        (i, j): _carried(dynamics, A, taus[j] - taus[i], [own[i] for own in entered], alphas)
+        for i, j in {pair for process in excited for pair in combinations(process.axles.tolist(), 2)}
+    }
 
-    Q, cross, own = 0.0 * A, 0.0 * fronts[0], 0.0 * spectra[0].white[:, 0]
-    through = 0.0 * (system.Y @ fronts[0])[:, :, 0]
-    for process, front, spectrum, drift in zip(excited, fronts, spectra, forced, strict=True):
-        rear = (system.B @ process.later)[:, :, None]
-        stirred = Correlations(free_dynamics, front, rear, E @ front, drift.mT[:, :, :, None], spectrum, tau)
+    Q, variance = 0.0 * A, 0.0 * system.D[:, :, 0]
+    for number, (process, spectrum) in enumerate(zip(excited, spectra, strict=True)):
+        axles = process.axles.tolist()
+        entries = [entered[number][axle] for axle in axles]
+
+        def carry(
+            i: int, j: int, axles: Any = axles, entries: Any = entries, number: int = number
+        ) -> tuple[Dual, Dual]:
+            E, forced = carried[axles[i], axles[j]]
+            return E @ entries[i], forced[number].mT[:, :, :, None]
+
+        stirred = Correlations(free_dynamics, entries, [taus[axle] for axle in axles], carry, spectrum)
         Q += stirred.right_hand_side()
-        warped = (0.0, 0.0)
-        if model.warp is not None and (process.now @ model.warp or process.later @ model.warp):
-            warped = float(process.now @ model.warp), float(process.later @ model.warp)
-            with_warp, of_warp = stirred.warp(*warped)
-            cross, own = cross + with_warp, own + of_warp
+        each, drift = integrated(model, process)
+        rates, bounded = [(system.warps @ process.weights[axle]) for axle in axles], bool(drift.any())
+        if each.any():
+            cross, own = stirred.integrated(rates, bounded)
+            w = system.on_warps
+            variance += (w * (2.0 * (system.Y @ cross) + w @ own)).sum(-1)
         if road.velocity_is_bounded:
-            at_once, late = system.D @ process.now, system.D @ process.later
-            passed = stirred.passed_on(*warped)
-            with_now, with_late = ((system.Y @ x)[:, :, 0] + system.on_warp * w[:, :, 0] for x, w in passed.states)
-            through += passed.through(at_once, late, with_now, with_late)
+            feeds = [system.D @ process.weights[axle] for axle in axles]
+            variance += stirred.passed_on(feeds, system.Y, system.on_warps, rates, bounded)
 
     X, _ = dynamics.lyapunov(Q.value)
     sway = A.tangent @ X
     dX, _ = dynamics.lyapunov(sway + np.swapaxes(sway, -1, -2) + Q.tangent)
-    Y, w = system.Y, system.on_warp
-    variance = ((Y @ Dual(X, dX)) * Y).sum(-1) + 2.0 * w * (Y @ cross)[:, :, 0] + w * w * own + through
+    Y = system.Y
+    variance += ((Y @ Dual(X, dX)) * Y).sum(-1)
 
     zero = variances == 0.0
-    wheels = np.stack([side for process in excited for side in process[:2]], axis=-1)
+    wheels = np.concatenate([process.weights for process in excited]).T
     passed_on, terms = system.D.tangent @ wheels, np.abs(system.D.tangent) @ np.abs(wheels)
     unbounded = np.isinf(variances) | (
         np.any(beyond_rounding(passed_on, terms), axis=-1) & (not road.velocity_is_bounded)
     )
-    kinked = zero & _moving(system, model, excited, tau) if zero.any() else np.zeros_like(unbounded)
+    kinked = zero & _moving(system, excited, taus) if zero.any() else np.zeros_like(unbounded)
     return Tangents(np.where(unbounded, np.nan, np.where(zero, 0.0, variance.tangent)), kinked, system.damping)
 
 
@@ -150,9 +160,10 @@ def _system(vehicle: Vehicle, model: SecondOrder, settings: Sequence[Setting], N
         B=B[:, : 2 * n] * stretch[:, :, None],
         Y=Y[:, :, : 2 * n] * (1.0 / stretch[:, None, :]),
         D=D,
-        on_warp=dual(model.on_warp, other.on_warp, 1),
+        on_warps=dual(model.on_integrators, other.on_integrators, 2),
+        warps=dual(model.integrators, other.integrators, 2),
         damping=dual(model.damping, other.damping, 1),
-        wheelbase=dual(vehicle.wheelbase, stepped.wheelbase, 0),
+        axles=[dual(x, y, 0) for x, y in zip(vehicle.axles, stepped.axles, strict=True)],
         track_width=dual(vehicle.track_width, stepped.track_width, 0),
     )
 
@@ -166,19 +177,23 @@ def _spectrum(road: Road, process: Process, width: Dual, ground: dict[str, Dual]
     return Spectrum(terms.white[:, :, None], terms.alphas, terms.weights)
 
 
-def _carried(dynamics: Dynamics, A: Dual, tau: Dual, sources: Sequence[Dual], alphas: Dual) -> tuple[Dual, list[Dual]]:
-    """Carry the states over the delay, freely and under decaying forcing from each source.
+def _carried(
+    dynamics: Dynamics, A: Dual, tau: Dual, sources: Sequence[Dual], alphas: Sequence[Any]
+) -> tuple[Dual, list[Dual]]:
+    """Carry the states over the delay, freely and under decaying forcing from each source, at rates of its own.
 
     Returns ``E = e^(A tau)`` and, for each source b, ``f = int_0^tau e^(A (tau - s)) b e^(-alpha s) ds`` (N, 2n, J): by
     Taylor over a short time h, then over twice the time and so on, ``E <- E^2`` and ``f <- E f + f e^(-alpha h)``.
     """
-    size, J = A.value.shape[-1], alphas.value.shape[-1]
-    reach = np.max(np.maximum(dynamics.fastest(), np.abs(alphas.value).max(axis=-1, initial=0.0)) * tau.value)
+    size, ends = A.value.shape[-1], np.cumsum([0, *(each.shape[-1] for each in alphas)])
+    rates: Any = np.concatenate(alphas, axis=-1)[:, None, :]
+    forcing: Any = np.concatenate(
+        [source + np.zeros(each.shape[-1]) for source, each in zip(sources, alphas, strict=True)], axis=-1
+    )
+    reach = np.max(np.maximum(dynamics.fastest(), np.abs(rates.value).max(axis=(-2, -1), initial=0.0)) * tau.value)
     doublings = max(0, int(np.ceil(np.log2(max(reach, 1.0)))))
-    rates: Any = np.concatenate([alphas] * len(sources), axis=-1)[:, None, :]
     h = tau[:, None, None] / 2.0**doublings
 
-    forcing: Any = np.concatenate([source + np.zeros(J) for source in sources], axis=-1)
     E = term = 0.0 * A + np.eye(size)
     f = drift = 0.0 * forcing
     for k in range(1, TAYLOR_TERMS + 1 if reach else 0):
@@ -188,24 +203,22 @@ def _carried(dynamics: Dynamics, A: Dual, tau: Dual, sources: Sequence[Dual], al
     for _ in range(doublings):
         f = E @ f + f * np.exp(-(rates * h))
         E, h = E @ E, 2.0 * h
-    return E, [f[:, :, i * J : (i + 1) * J] for i in range(len(sources))]
+    return E, [f[:, :, first:last] for first, last in pairwise(ends)]
 
 
-def _moving(system: _System, model: SecondOrder, excited: Sequence[Process], tau: Dual) -> Array:
+def _moving(system: _System, excited: Sequence[Process], taus: Sequence[Dual]) -> Array:
     """Where the transfer function of an output has a derivative (P, N, outputs), told at one middling frequency."""
     A = system.A
     n = A.value.shape[-1] // 2
     s = 1j * np.sqrt(-np.trace(A.value[:, n:, :n], axis1=-2, axis2=-1) / n)[:, None, None]
-    late = np.exp(-(tau[:, None, None] * s))
     still = -A + s * np.eye(2 * n)
-    moving = np.zeros(system.on_warp.tangent.shape, dtype=bool)
+    late = [np.exp(-(tau[:, None, None] * s)) for tau in taus]
+    moving = np.zeros(system.D.tangent.shape[:-1], dtype=bool)
     for process in excited:
-        x: Any = np.linalg.solve(
-            still, (system.B @ process.now)[:, :, None] + (system.B @ process.later)[:, :, None] * late
-        )
-        H = (system.Y @ x)[:, :, 0]
+        entered = sum((system.B @ process.weights[axle])[:, :, None] * late[axle] for axle in process.axles)
+        warped = sum((system.warps @ process.weights[axle])[:, :, None] * late[axle] for axle in process.axles)
+        x: Any = np.linalg.solve(still, entered)
+        H = (system.Y @ x + system.on_warps @ warped / s)[:, :, 0]
         terms = np.abs(system.Y.tangent) @ np.abs(x.value) + np.abs(system.Y.value) @ np.abs(x.tangent)
-        if model.warp is not None:
-            H += system.on_warp * (late * (model.warp @ process.later) + model.warp @ process.now)[:, :, 0] / s[:, :, 0]
         moving |= np.abs(H.tangent) > VANISHING * terms[..., 0]
     return moving

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,10 +13,10 @@ from ...roads.colours import colours
 from ...roads.road import Road
 from ...vehicles.contract import RoadVehicle
 from ...vehicles.decoupled import OnStruts
-from ..excitation import Process, delay, processes, steep
+from ..excitation import Process, delays, processes, steep
 from . import digits, struts
 from .polynomials import Array, Track
-from .struts import Chassis
+from .struts import Chassis, Move
 from .symmetric import as_track, columns
 
 # A delay is walked in steps in which no root turns by more than this many radians: a bound some half above the fastest,
@@ -23,24 +24,29 @@ from .symmetric import as_track, columns
 REACH = 22.0
 
 # Wheels that hop almost alike cost digits as their damping gets lighter: twelve are left at half of its critical value,
-# nine at a fifth. Below that two systems of units must agree so well.
-LIGHT, AGREED = 0.2, 1e-9
+# nine at a fifth. Below that, and for more struts than four, two systems of units must agree so well.
+LIGHT, FEW, AGREED = 0.2, 4, 1e-9
 
 # An acceleration is zero by symmetry if its variance is at most the first share of what its forces would make of it all
 # together; up to the second, it may have lost digits.
 ZERO, CANCELLED = 1e-24, 1e-17
 
 
-class Stirred(NamedTuple):
-    """One process: how much of it wheels see at once and later (2, S), whether it is `steep`, and its spectrum."""
+Walks = dict[tuple[int, int], tuple[int, int]]
+"""Steps over the time from axle to axle, and halvings of each."""
 
+
+class Stirred(NamedTuple):
+    """One process: the axles that it excites, what wheels see of it by each (axles, S), if `steep`, its spectrum."""
+
+    axles: list[int]
     weights: Array
     steep: bool
     road: Track
 
 
 class Problem(NamedTuple):
-    """Struts at the corners ``places`` on the road's processes, as arrays over N designs.
+    """Struts at the corners and ``seats`` that ``places`` name, on the road's processes, as arrays over N designs.
 
     ``points`` are the accelerations by name, each with its share of every coordinate of the body (B, N).
     """
@@ -49,28 +55,42 @@ class Problem(NamedTuple):
     chassis: Chassis
     points: dict[str, Array]
     excited: tuple[Stirred, ...]
-    tau: Array
+    taus: Array
+    seats: tuple[str, ...]
 
-    def variances(self, kernels: Any, walk: tuple[int, int]) -> dict[str, Array]:
+    @property
+    def delays(self) -> dict[tuple[int, int], Array]:
+        """Time (N,) from axle to axle, of those that a process excites together."""
+        pairs = {pair for process in self.excited for pair in combinations(process.axles, 2)}
+        return {(i, j): self.taus[j] - self.taus[i] for i, j in sorted(pairs)}
+
+    def variances(self, kernels: Any, walks: Walks) -> dict[str, Array]:
         """Variance (N,) of every output, by the kernels of `struts` or `struts_numba`."""
-        chassis, (steps, halvings) = self.chassis, walk
+        chassis = self.chassis
         S, B = len(chassis.struts), len(chassis.mobility)
         linked = kernels.linked(chassis)
-        step = np.empty((0, 0, 0))
-        if steps > 0:
-            step = struts.moved(linked.D, self.tau / steps, halvings, kernels)
-        each = [struts.excited(linked, B, *process, self.tau, step, steps, kernels) for process in self.excited]
+        moves = {
+            pair: Move(tau, struts.moved(linked.D, tau / walks[pair][0], walks[pair][1], kernels), walks[pair][0])
+            for pair, tau in self.delays.items()
+        }
+        each = [struts.excited(linked, B, *process, moves, kernels) for process in self.excited]
         total = np.sum(each, axis=0)
         body, (deflections, tyres, rates) = total[: B * B].reshape(B, B, -1), total[B * B :].reshape(3, S, -1)
-        driven = np.any([process.weights for process in self.excited], axis=(0, 1))
+        driven = np.any([process.weights.any(axis=0) for process in self.excited], axis=0)
         # A damped tyre passes on white velocity; where its wheel sees none, its load is left to matrices.
         damped = np.where(driven, np.inf, np.nan)[:, None]
         loads = np.where(chassis.struts[:, 4] > 0.0, damped, chassis.struts[:, 3] ** 2 * tyres)
         accelerations = self._accelerations(body, self._largest(deflections, rates))
         out = dict(zip(self.points, accelerations, strict=True))
+        corners = self.places[: S - len(self.seats)]
         at_corners = {"sws": deflections, "dtl": loads, "sws_rate": rates, "tyre_deflection": tyres}
         for name, values in at_corners.items():
-            out |= {signal(name, corner): variance for corner, variance in zip(self.places, values, strict=True)}
+            out |= {signal(name, corner): variance for corner, variance in zip(corners, values, strict=False)}
+        for i, seat in enumerate(self.seats, len(corners)):
+            # The cushion's force is all that moves the rider, and deflection and rate do not correlate.
+            mass, ks, cs, _, _ = chassis.struts[i]
+            felt = (ks**2 * deflections[i] + cs**2 * rates[i]) / mass**2
+            out |= {signal("bacc", seat): felt, signal("seat_travel", seat): deflections[i]}
         return out
 
     def _largest(self, deflections: Array, rates: Array) -> Array:
@@ -99,7 +119,7 @@ class Problem(NamedTuple):
             mobility=self.chassis.mobility / mass,
         )
         excited = tuple(one._replace(road=digits.track_in_other_units(one.road)) for one in self.excited)
-        return self._replace(chassis=chassis, excited=excited, tau=self.tau * time)
+        return self._replace(chassis=chassis, excited=excited, taus=self.taus * time)
 
     def compliance(self) -> Array:
         """Acceleration over each strut per unit force of each, (S, S, N)."""
@@ -121,7 +141,9 @@ def problem(whole: OnStruts, vehicle: RoadVehicle, road: Road, N: int) -> Proble
 
     def stirred(process: Process) -> Stirred:
         spectrum = colours(road, process.share, process.sign, width)
-        return Stirred(np.stack([process.now, process.later]), steep(process, road), as_track(spectrum))
+        axles = process.axles.tolist()
+        weights = np.pad(process.weights[axles], [(0, 0), (0, len(whole.seats))])
+        return Stirred(axles, weights, steep(process, road), as_track(spectrum))
 
     return Problem(
         places=tuple(name for (name,) in corners),
@@ -137,7 +159,8 @@ def problem(whole: OnStruts, vehicle: RoadVehicle, road: Road, N: int) -> Proble
             for name, shares in whole.points.items()
         },
         excited=tuple(stirred(process) for process in processes(vehicle, road)),
-        tau=columns(N, [delay(vehicle, road)])[0],
+        taus=columns(N, delays(vehicle, road)),
+        seats=whole.seats,
     )
 
 
@@ -150,22 +173,21 @@ def whole_variances(
     pass on a velocity of finite variance, and which may keep fewer than six digits here.
     """
     outputs, one = vehicle.layout().outputs, problem(whole, vehicle, road, N)
-    compliance, delayed = one.compliance(), any(process.weights[1].any() for process in one.excited)
-    left, walk = digits.undamped(one.chassis.struts), (0, 0)
+    compliance, left, walks = one.compliance(), digits.undamped(one.chassis.struts), Walks()
     with np.errstate(all="ignore"):
-        if delayed:
-            turns = digits.turns(one.stiffened(), compliance, one.tau)
+        for pair, tau in one.delays.items():
+            turns = digits.turns(one.stiffened(), compliance, tau)
             left |= turns > digits.LONGEST_WALK * REACH
-            walk = digits.walk(float(turns.max(where=~left, initial=1.0)), REACH)
+            walks[pair] = digits.walk(float(turns.max(where=~left, initial=1.0)), REACH)
 
         def solved(problem: Problem) -> Array:
-            found = problem.variances(kernels, walk)
+            found = problem.variances(kernels, walks)
             return np.array([found[name] for name in outputs.names])
 
         variances = solved(one)
         left |= np.isnan(variances).any(axis=0)
         if road.velocity_is_bounded:
             left |= one.chassis.struts[:, 4].any(axis=0)
-        if digits.extreme(one.stiffened(), compliance, LIGHT):
+        if len(one.places) > FEW or digits.extreme(one.stiffened(), compliance, LIGHT):
             left |= digits.disagreement(variances, solved(one.in_other_units()), outputs, AGREED)
     return variances, left
