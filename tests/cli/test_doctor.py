@@ -42,7 +42,7 @@ def test_what_lacks_has_its_command(run, cache, missing):
     _, purpose = EXTRAS["netcdf"]
     assert said(run)["[netcdf]"] == f"lacks netCDF4, for {purpose}; run {installation('netcdf')}"
     document = json.loads(run("doctor", "--json").out)
-    assert document["extras"]["netcdf"] == {"for": purpose, "missing": ["netCDF4"], "install": installation("kriging")}
+    assert document["extras"]["netcdf"] == {"for": purpose, "missing": ["netCDF4"], "install": installation("netcdf")}
 
 
 def test_compiled_code_is_measured(run, cache):

@@ -143,6 +143,7 @@ def fit_runs(
     folds: int | None = None,
     held_out_runs: int = 0,
     learning: bool = False,
+    refit: bool = False,
     trust_units: bool = False,
     random_state: int = 0,
     progress: bool = False,
@@ -163,6 +164,8 @@ def fit_runs(
         Runs that neither fits nor choice may see, drawn at random, for an error that the choice has not flattered.
     learning : bool
         Also fit every surrogate to fewer of the runs, as `learning_curve_of_runs` does.
+    refit : bool
+        Cross-validate with thetas, noise and shapes found anew for every fold, as `compare` does.
     trust_units : bool
         Take the runs though the cheap model is more than 30 times apart from them.
     random_state : int
@@ -211,7 +214,7 @@ def fit_runs(
         with warnings.catch_warnings():
             # Of each fold and draw; the report says it once, of the fit to all runs.
             warnings.filterwarnings("ignore", "the tuned parameter")
-            comparison = compare(surrogates, X, y, folds, random_state, progress=progress)
+            comparison = compare(surrogates, X, y, folds, random_state, refit=refit, progress=progress)
             if choose in comparison.refused:
                 raise ValueError(f"{choose} cannot be fitted to {output}: {comparison.refused[choose]}")
             learned = learning_curve_of_runs(surrogates, X, y, repeats=3, progress=progress) if learning else None
@@ -233,6 +236,7 @@ def fit_runs(
         "folds": folds,
         "held_out_runs": held_out_runs,
         "learning": learning,
+        "refit": refit,
         "trust_units": trust_units,
         "random_state": random_state,
     }
