@@ -56,11 +56,14 @@ KERNELS = {
 # Below, the process is a polynomial to most digits; beyond, neighbours tell nothing, and runs are noise alone.
 LEAST_THETA, MOST_THETA, MOST_NOISE = 1e-5, 50.0, 100.0
 
-# Where the search looks before it descends: thetas alike in all variables, and 2^MORE unlike ones.
-ALIKE, MORE, NOISES = (0.003, 0.03, 0.1, 0.3, 1.0, 3.0), 3, (1e-6, 1e-3, 1e-1)
+# Noise below this, a hundred-thousandth of the responses' range, is none; above, W keeps half of its digits.
+NOTED = 1e-10
 
-# How many of these it descends from, and when it stops, in the likelihood of one run.
-STARTS, ENOUGH, FLAT = 2, 1e-5, 1e-2
+# Where the search looks before it descends: thetas alike in all variables, and 2^MORE unlike ones.
+ALIKE, MORE, NOISES = (0.003, 0.03, 0.1, 0.3, 1.0, 3.0), 3, (1e-4, 1e-1)
+
+# When it stops, in the likelihood of one run.
+ENOUGH, FLAT = 1e-5, 1e-2
 
 # Noise is believed if it makes the runs as much likelier as chance does in one of 100 exact tables: the ratio's 99 %
 # point of chi squared with one degree of freedom.
@@ -101,28 +104,25 @@ class Process:
         """The likeliest thetas (k,) and noise; without noise where that is as likely."""
         if not self.size:
             return np.ones(self.k), self.least_noise
-        exact = self._descend([self.least_noise], (self.least_noise, self.least_noise))
-        noisy = self._descend(NOISES, (self.least_noise, MOST_NOISE))
+        exact = self._descend([self.least_noise], (self.least_noise, self.least_noise), starts=2)
+        noisy = self._descend(NOISES, (NOTED, MOST_NOISE), starts=1)
         at = noisy if self.free * (exact.fun - noisy.fun) > BELIEVED else exact
         return np.exp(at.x[:-1]), float(np.exp(at.x[-1]))
 
-    def _descend(self, noises: Sequence[float], between: tuple[float, float]) -> OptimizeResult:
+    def _descend(self, noises: Sequence[float], between: tuple[float, float], starts: int) -> OptimizeResult:
         least, most = np.log(LEAST_THETA), np.log(MOST_THETA)
-        unlike = qmc.Sobol(self.k, scramble=False).random_base2(MORE)
-        lowest, highest = np.log(ALIKE[0]), np.log(ALIKE[-1])
-        thetas = [*(np.full(self.k, np.log(theta)) for theta in ALIKE), *(lowest + unlike * (highest - lowest))]
-        starts = [np.append(theta, np.log(noise)) for theta in thetas for noise in noises]
-        order = np.argsort([self.deviance(start) for start in starts], kind="stable")
+        points = [np.append(theta, np.log(noise)) for theta in _thetas(self.k) for noise in noises]
+        order = np.argsort([self.deviance(point) for point in points], kind="stable")
         found = [
             minimize(
                 self.deviance_and_slope,
-                starts[i],
+                points[i],
                 jac=True,
                 method="L-BFGS-B",
                 bounds=[(least, most)] * self.k + [tuple(np.log(between))],
                 options={"ftol": ENOUGH, "gtol": FLAT},
             )
-            for i in order[:STARTS]
+            for i in order[:starts]
         ]
         return min(found, key=lambda at: at.fun)
 
@@ -181,13 +181,23 @@ class Process:
         return lapack.dormqr("L", "N", *self.reflectors, below, 64 * A.shape[1])[0]
 
 
+@functools.cache
+def _thetas(k: int) -> list[Array]:
+    """Logarithms of thetas (k,) to look at first."""
+    lowest, highest = np.log(ALIKE[0]), np.log(ALIKE[-1])
+    unlike = qmc.Sobol(k, scramble=False).random_base2(MORE)
+    return [*(np.full(k, np.log(theta)) for theta in ALIKE), *(lowest + unlike * (highest - lowest))]
+
+
 def _solved(factor: Array, A: Array) -> Array:
     return lapack.dpotrs(factor, A, lower=1)[0]
 
 
 def _inverse(factor: Array) -> Array:
-    lower = np.tril(lapack.dpotri(factor, lower=1)[0])
-    return lower + np.tril(lower, -1).T
+    lower = lapack.dpotri(factor, lower=1)[0]
+    inverse = lower + lower.T
+    inverse.flat[:: len(inverse) + 1] *= 0.5
+    return inverse
 
 
 class Prediction(Process):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.preprocessing import PolynomialFeatures
 from sklearn.utils import gen_batches
 
 from ..quantities import briefly
@@ -159,7 +159,12 @@ class _GaussianProcess(Approximation):
 
 
 def _trend(Z: Array, guides: Array, degree: int) -> Array:
-    return np.concatenate([PolynomialFeatures(degree).fit_transform(Z), guides], axis=1)
+    columns = [
+        np.prod(Z[:, factors], axis=1)
+        for power in range(degree + 1)
+        for factors in itertools.combinations_with_replacement(range(Z.shape[1]), power)
+    ]
+    return np.column_stack([*columns, guides])
 
 
 def _degree_of(trend: Any) -> int:

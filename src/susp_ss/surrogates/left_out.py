@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from .regressor import DEPENDENT, Array
 Rows = NDArray[np.intp]
 
 
-def left_out(H: Array, y: Array, P: Array, folds: Sequence[Rows]) -> Iterator[tuple[Rows, Array, Array]]:
+def left_out(H: NDArray[Any], y: Array, P: Array, folds: Sequence[Rows]) -> Iterator[tuple[Rows, Array, Array]]:
     """What fits to the other runs miss.
 
     With H the first n rows and columns of the inverse of ``[[C, P], [P', 0]]``, the errors of a fold S, response minus

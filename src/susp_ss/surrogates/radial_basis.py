@@ -158,7 +158,7 @@ class RadialBasis(Approximation):
         """
         designs, responses = self.runs_
         Z, degree = self.box_.transform(designs), self._degree()
-        inverse: Array = np.linalg.inv(_conditions(Z, self.kernel, self.shape_, degree))
+        inverse = np.linalg.inv(_conditions(Z, self.kernel, self.shape_, degree))
         predicted = responses.copy()
         distinct = [np.unique(self._of_run[S]) for S in folds]
         for S, errors, _ in left_out(inverse[: len(Z), : len(Z)], responses, _tail(Z, degree), distinct):

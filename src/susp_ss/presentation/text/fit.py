@@ -40,8 +40,8 @@ def choices(fit: Fit) -> str:
     """Which runs the choices behind a prediction have seen."""
     if fit.asked["refit"]:
         return (
-            "Thetas of Kriging and shapes of radial bases were found anew for every fold; beside, the RMSE with those of "
-            "the fit to all runs."
+            "Thetas of Kriging and shapes of radial bases were found anew for every fold; beside, the RMSE with those "
+            "of the fit to all runs."
         )
     return "Thetas of Kriging and shapes of radial bases are those of the fit to all runs."
 
