@@ -295,7 +295,8 @@ def held_out(surrogate: Any, X: ArrayLike, y: ArrayLike, confidence: float = 0.9
     1.0
     """
     X, y = checked_runs(X, y)
-    return Validation(y, *_predicted(surrogate, X), _checked_confidence(confidence))
+    outside = surrogate.outside(X) if hasattr(surrogate, "outside") else None
+    return Validation(y, *_predicted(surrogate, X), outside, _checked_confidence(confidence))
 
 
 def compare(
@@ -371,50 +372,48 @@ def compare(
 def _cross_validated(
     surrogate: Any, X: Any, y: Array, folds: Sequence[Fold], confidence: float, refit: bool
 ) -> Validation:
-    fixed = None
-    if hasattr(surrogate, "predict_left_out"):
-        fixed = _in_closed_form(surrogate, X, y, folds, confidence)
+    outside = _outside(X, folds) if hasattr(surrogate, "outside") else None
+    with one_blas_thread():
+        if not hasattr(surrogate, "predict_left_out"):
+            return Validation(y, *_fitted_anew(surrogate, X, y, folds), outside, confidence)
+        fixed, std = unfitted(surrogate).fit(X, y).predict_left_out([left_out for _, left_out in folds])
         if not refit:
-            return fixed
+            return Validation(y, fixed, std, outside, confidence)
+        return Validation(y, *_fitted_anew(surrogate, X, y, folds), outside, confidence, fixed)
+
+
+def _fitted_anew(surrogate: Any, X: Any, y: Array, folds: Sequence[Fold]) -> tuple[Array, Array | None]:
+    """Predictions and their standard deviations by a fit to the others of each fold."""
     parts = []
-    with one_blas_thread():
-        for i, (fitted, left_out) in enumerate(folds, 1):
-            try:
-                model = unfitted(surrogate).fit(rows(X, fitted), y[fitted])
-            except ValueError as error:
-                where = f"fold {i} of {len(folds)}, fitted to {len(fitted)} of {len(y)} runs"
-                raise ValueError(f"{where}: {error}") from error
-            parts.append(_predicted(model, rows(X, left_out)))
+    for i, (fitted, left_out) in enumerate(folds, 1):
+        try:
+            model = unfitted(surrogate).fit(rows(X, fitted), y[fitted])
+        except ValueError as error:
+            where = f"fold {i} of {len(folds)}, fitted to {len(fitted)} of {len(y)} runs"
+            raise ValueError(f"{where}: {error}") from error
+        parts.append(_predicted(model, rows(X, left_out)))
     order = np.argsort(np.concatenate([left_out for _, left_out in folds]))
-
-    def joined(columns: Sequence[Any]) -> Any:
-        return None if columns[0] is None else np.concatenate(columns)[order]
-
-    predicted, std, outside = map(joined, zip(*parts, strict=True))
-    return Validation(y, predicted, std, outside, confidence, None if fixed is None else fixed.predicted)
+    mean, std = zip(*parts, strict=True)
+    return np.concatenate(mean)[order], None if std[0] is None else np.concatenate(std)[order]
 
 
-def _in_closed_form(surrogate: Any, X: Any, y: Array, folds: Sequence[Fold], confidence: float) -> Validation:
-    with one_blas_thread():
-        model = unfitted(surrogate).fit(X, y)
-        predicted, std = model.predict_left_out([left_out for _, left_out in folds])
-    designs, outside = np.asarray(X, dtype=float), np.empty(len(y), dtype=bool)
+def _outside(X: Any, folds: Sequence[Fold]) -> NDArray[np.bool_]:
+    """Which runs lie outside the box of the others of their fold."""
+    designs, outside = np.asarray(X, dtype=float), np.empty(len(X), dtype=bool)
     for fitted, left_out in folds:
         box = designs[fitted].min(axis=0), designs[fitted].max(axis=0)
         outside[left_out] = beyond(designs[left_out], *box).any(axis=1)
-    return Validation(y, predicted, std, outside, confidence)
+    return outside
 
 
-def _predicted(model: Any, X: Any) -> tuple[Array, Array | None, NDArray[np.bool_] | None]:
-    """Prediction, its standard deviation if it has one, and what lies outside the box of the fit if that is kept."""
+def _predicted(model: Any, X: Any) -> tuple[Array, Array | None]:
+    """Prediction, and its standard deviation if it has one."""
     with warnings.catch_warnings():
         # A run left out often lies outside the box of the others; how many do is told instead.
         warnings.simplefilter("ignore", ExtrapolationWarning)
         if "return_std" in inspect.signature(model.predict).parameters:
-            mean, std = model.predict(X, return_std=True)
-        else:
-            mean, std = model.predict(X), None
-    return mean, std, model.outside(X) if hasattr(model, "outside") else None
+            return model.predict(X, return_std=True)
+        return model.predict(X), None
 
 
 def _baselines() -> dict[str, Any]:
