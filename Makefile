@@ -56,11 +56,12 @@ bench: .venv/installed-test
 	$(BIN)/python benchmarks/ride_metrics.py
 	$(BIN)/python benchmarks/any_road_any_system.py
 	$(BIN)/python benchmarks/surrogates.py
+	$(BIN)/python benchmarks/damaged_files.py
 	$(BIN)/python benchmarks/sweeps.py
 
 .venv/installed: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[pages,kriging]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[pages]'
 	touch $@
 
 .venv/installed-test: .venv/installed

@@ -1,17 +1,18 @@
 """A surrogate file gives back what was saved, or one line that says what is wrong with it."""
 
-import contextlib
 import json
+import runpy
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 import susp_ss as ss
 from susp_ss.fit import LowFidelity
 from susp_ss.fit.surrogate_file import SuspensionSurrogate
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 
 COLUMNS = ["ks_front", "ks_rear", "cs", "speed"]
 CHEAP = LowFidelity(
@@ -30,7 +31,7 @@ def fitted():
     models = {}
     for output, make in {
         "bacc": lambda f: ss.VariableBased(f),
-        "sws": lambda f: ss.CoKriging(f, samples=12),
+        "sws": lambda f: ss.CoKriging(f),
         "dtl_fr": lambda f: ss.ResponseBased(f, form="power"),
         "roll_acc": lambda f: ss.Polynomial(degree=1),
         "peak": lambda f: ss.Kriging(),
@@ -77,8 +78,8 @@ def test_columns_go_by_name(path):
         (lambda d: d | {"format": "recipe"}, 'not a surrogate file: it must say "format": "susp_ss surrogate"'),
         (lambda d: [d], "not a surrogate file"),
         (
-            lambda d: d | {"version": 2, "susp_ss": "3.1"},
-            r"written by a newer susp_ss \(3.1, file version 2\), this one",
+            lambda d: d | {"version": 3, "susp_ss": "3.1"},
+            r"written by a newer susp_ss \(3.1, file version 3\), this one",
         ),
         (lambda d: d | {"version": "1"}, "damaged: version must be a whole number >= 1, got '1'"),
         (lambda d: {k: v for k, v in d.items() if k != "outputs"}, "damaged: 'outputs' is missing"),
@@ -119,26 +120,52 @@ def test_truncated_and_foreign_files(path):
         ss.load_surrogate(path.with_name("none.json"))
 
 
-@given(st.data())
-@settings(max_examples=100, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
-def test_any_damage_is_said_in_a_value_error(path, data):
-    text = path.read_text()
-    document = json.loads(text)
-    where = document
-    for _ in range(data.draw(st.integers(1, 5))):
-        keys = list(where) if isinstance(where, dict) else list(range(len(where))) if isinstance(where, list) else []
-        if not keys:
-            break
-        key = data.draw(st.sampled_from(keys))
-        if not isinstance(where[key], (dict, list)) or data.draw(st.booleans()):
-            where[key] = data.draw(st.sampled_from([None, "x", [], {}, 1e308, -1.0, [[1.0]], True]))
-            break
-        where = where[key]
-    damaged = path.with_name("damaged.json")
-    damaged.write_text(json.dumps(document))
-    # What is not refused can be used.
-    with contextlib.suppress(ValueError):
-        assert ss.load_surrogate(damaged).predict(runs(3, 4)).shape == (3, 6)
+def test_any_damage_is_refused_in_one_line_or_predicts():
+    """A sample of the ten thousand of the benchmark, of every kind."""
+    count = runpy.run_path(str(BENCHMARKS / "damaged_files.py"))["count"]
+    for verdicts in count(210, seed=1).values():
+        assert verdicts.total() == 30
+        assert verdicts["refused"] > 10
+
+
+@pytest.mark.parametrize("kind", ["Kriging", "CoKriging"])
+def test_files_of_another_library_are_refused_in_words(path, kind):
+    """Those of version 1; of other kinds, they load."""
+    document = json.loads(path.read_text()) | {"version": 1}
+    document["outputs"] = {k: v for k, v in document["outputs"].items() if v["kind"] not in ("Kriging", "CoKriging")}
+    path.write_text(json.dumps(document))
+    assert set(ss.load_surrogate(path).outputs) == set(document["outputs"])
+    first = next(iter(document["outputs"]))
+    document["outputs"][first] |= {"kind": kind, "settings": {"trend": "constant", "random_state": 0}}
+    path.write_text(json.dumps(document))
+    with pytest.raises(ValueError, match=f"holds {kind} of file version 1, which another .* again with susp-ss fit$"):
+        ss.load_surrogate(path)
+
+
+@pytest.mark.parametrize(
+    ("found", "said"),
+    [
+        ({"scaled_thetas": [0.1]}, "scaled_thetas must be one for each column, from 5e-06 to 100"),
+        ({"scaled_thetas": [0.1, 0.1, 0.1, 1e9]}, "scaled_thetas must be"),
+        ({"noise": -1.0}, "noise must be from 0 to 200, got -1.0"),
+        ({"degree": 7}, "degree must be one of 0, 1, 2, got 7"),
+        ({"designs": [[1.0, 2.0]]}, r"designs and responses must be \(n, 4\) and \(n,\), got \(1, 2\)"),
+    ],
+)
+def test_numbers_of_kriging_are_checked(path, found, said):
+    document = json.loads(path.read_text())
+    document["outputs"]["peak"]["found"] |= found
+    path.write_text(json.dumps(document))
+    with pytest.raises(ValueError, match=f"surrogate.json: damaged: {said}"):
+        ss.load_surrogate(path)
+
+
+def test_kriging_is_restored_without_a_search(path, monkeypatch):
+    def never(self):
+        raise AssertionError("searched")
+
+    monkeypatch.setattr("susp_ss.surrogates.gaussian_process.Process.search", never)
+    assert np.isfinite(ss.load_surrogate(path).predict(runs(3, 4))).all(axis=None)
 
 
 def test_a_file_that_cannot_be_written_leaves_the_old_one(fitted, path, monkeypatch):

@@ -114,7 +114,8 @@ def test_kriging_learns_and_is_not_tried_beyond_its_limit():
     assert plane.count().tolist() == [2, 2, 2]
 
 
-def test_kriging_has_a_limit_by_default(notes):
+def test_kriging_has_a_limit_by_default(notes, monkeypatch):
+    monkeypatch.setattr("susp_ss.surrogates.learning.MANY", 100)
     surrogates = {"one": ss.Kriging(), "two": ss.CoKriging(cheap), "free": Witness()}
     table = ss.learning_curve(surrogates, expensive, BOX, (101,), repeats=1, test=4)
     assert table["refused"].isna().tolist() == [False, False, True]

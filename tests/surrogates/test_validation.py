@@ -195,11 +195,24 @@ def test_cross_validation_takes_a_standard_deviation_of_any_regressor():
 def test_kriging_states_its_standard_deviation_where_it_predicts():
     X = plan(12, 1)
     y = np.sin(3.0 * X[:, 0])
-    found = ss.cross_validate(ss.Kriging(), X, y, folds=3)
+    found = ss.cross_validate(ss.Kriging(), X, y, folds=3, refit=True)
     fitted, left_out = split(X, 3, 0)[0]
     mean, std = ss.Kriging().fit(X[fitted], y[fitted]).predict(X[left_out], return_std=True)
     np.testing.assert_allclose(found.predicted[left_out], mean, rtol=1e-12)
     np.testing.assert_allclose(found.std[left_out], std, rtol=1e-12)
+
+
+@pytest.mark.parametrize("surrogate", [ss.Kriging(), ss.CoKriging(cheap), ss.RadialBasis("gaussian")])
+def test_what_a_choice_in_every_fold_costs_is_told(surrogate):
+    X = plan(16, 2)
+    y = cheap(X) ** 2
+    at_once, anew = (ss.cross_validate(surrogate, X, y, folds=4, refit=refit) for refit in (False, True))
+    assert at_once.fixed is None
+    np.testing.assert_array_equal(anew.fixed, at_once.predicted)
+    np.testing.assert_array_equal(anew.outside, at_once.outside)
+    table = ss.compare({"one": surrogate, "plane": ss.Polynomial(1)}, X, y, folds=4, refit=True).table
+    assert table.RMSE_fixed["one"] == at_once.accuracy.RMSE != table.RMSE["one"]
+    assert np.isnan(table.RMSE_fixed["plane"])
 
 
 def test_intervals_hold_the_truth_about_as_often_as_they_say(monkeypatch):

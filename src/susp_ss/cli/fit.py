@@ -124,8 +124,16 @@ def run(
     learning_curve: Annotated[
         bool, typer.Option("--learning-curve", help="Also fit to fewer runs each, to see how many were needed.")
     ] = False,
+    refit: Annotated[
+        bool,
+        typer.Option(
+            "--refit",
+            help="Find the thetas of Kriging and the shapes of radial bases anew for every fold; also says the error "
+            "without.",
+        ),
+    ] = False,
     trust_units: TrustUnits = False,
-    seed: Annotated[int, counted("Of folds, held-out runs and Kriging.")] = 0,
+    seed: Annotated[int, counted("Of folds and held-out runs.")] = 0,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -187,6 +195,7 @@ def run(
             folds=folds,
             held_out_runs=held_out,
             learning=learning_curve,
+            refit=refit,
             trust_units=trust_units,
             random_state=seed,
             progress=True,

@@ -143,6 +143,7 @@ def fit_runs(
     folds: int | None = None,
     held_out_runs: int = 0,
     learning: bool = False,
+    refit: bool = False,
     trust_units: bool = False,
     random_state: int = 0,
     progress: bool = False,
@@ -163,10 +164,12 @@ def fit_runs(
         Runs that neither fits nor choice may see, drawn at random, for an error that the choice has not flattered.
     learning : bool
         Also fit every surrogate to fewer of the runs, as `learning_curve_of_runs` does.
+    refit : bool
+        Cross-validate with thetas, noise and shapes found anew for every fold, as `compare` does.
     trust_units : bool
         Take the runs though the cheap model is more than 30 times apart from them.
     random_state : int
-        Of the folds, of the runs held out and of Kriging.
+        Of the folds and of the runs held out.
     progress : bool
         Show progress on stderr.
 
@@ -201,7 +204,7 @@ def fit_runs(
     tried = {}
     for output, f in cheap.items():
         tuned = low_fidelity.response(output, columns, tuned=True) if f and _tunable(low_fidelity, f) else None
-        tried[output] = candidates(len(columns), f, tuned, random_state)
+        tried[output] = candidates(f, tuned)
         if choose is not None and choose not in tried[output]:
             raise ValueError(f"no surrogate of {output} named {choose!r}, available: {', '.join(tried[output])}")
     taken, kept = _split(runs, held_out_runs, random_state)
@@ -211,7 +214,7 @@ def fit_runs(
         with warnings.catch_warnings():
             # Of each fold and draw; the report says it once, of the fit to all runs.
             warnings.filterwarnings("ignore", "the tuned parameter")
-            comparison = compare(surrogates, X, y, folds, random_state, progress=progress)
+            comparison = compare(surrogates, X, y, folds, random_state, refit=refit, progress=progress)
             if choose in comparison.refused:
                 raise ValueError(f"{choose} cannot be fitted to {output}: {comparison.refused[choose]}")
             learned = learning_curve_of_runs(surrogates, X, y, repeats=3, progress=progress) if learning else None
@@ -233,24 +236,20 @@ def fit_runs(
         "folds": folds,
         "held_out_runs": held_out_runs,
         "learning": learning,
+        "refit": refit,
         "trust_units": trust_units,
         "random_state": random_state,
     }
     return Fit(taken, low_fidelity, found, asked)
 
 
-def candidates(
-    inputs: int, cheap: LowFidelityResponse | None, tuned: LowFidelityResponse | None, random_state: int
-) -> dict[str, Surrogate]:
+def candidates(cheap: LowFidelityResponse | None, tuned: LowFidelityResponse | None) -> dict[str, Surrogate]:
     """Every surrogate by name: the cheap model tuned, where there is one, and the runs approximated.
 
     Parameters
     ----------
-    inputs : int
-        Number of columns.
     cheap, tuned : LowFidelityResponse or None
         The cheap response of the designs, and of the designs and its parameter.
-    random_state : int
     """
     tuning: dict[str, Surrogate] = {}
     if cheap is not None:
@@ -261,12 +260,12 @@ def candidates(
         }
         if tuned is not None:
             tuning[f"PB {tuned.parameter}"] = ParameterBased(tuned)
-        tuning["CoKriging"] = CoKriging(cheap, samples=30 * inputs, random_state=random_state)
+        tuning["CoKriging"] = CoKriging(cheap)
     return tuning | {
         **{f"Polynomial {degree}": Polynomial(degree) for degree in (1, 2, 3)},
         "RBF thin plate": RadialBasis(),
         "RBF Gaussian": RadialBasis("gaussian"),
-        "Kriging": Kriging(random_state=random_state),
+        "Kriging": Kriging(),
     }
 
 

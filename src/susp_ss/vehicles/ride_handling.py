@@ -110,7 +110,7 @@ class RideHandlingCar(FullCar):
         super().__post_init__()
         if self.curved:
             raise TypeError(
-                f"{type(self).__name__} takes numbers for ks and cs, got a curve; pass what ss.linearised makes of it on "
+                f"{type(self).__name__} takes numbers for ks and cs, got a curve; pass those that ss.linearised finds for "
                 "a FullCar"
             )
 
@@ -130,7 +130,7 @@ class RideHandlingCar(FullCar):
         TypeError
             Always.
         """
-        raise TypeError(f"{type(self).__name__} takes no seats; FullCar does, which rides alike on level roll centres")
+        raise TypeError(f"{type(self).__name__} takes no seats; FullCar does")
 
     def velocities(self) -> Velocities:
         """One row for everything that has inertia, and for everything that forces act on."""

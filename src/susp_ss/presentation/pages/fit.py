@@ -16,7 +16,19 @@ from ...quantities import titled
 from ..plots.study import SURFACES
 from ..plots.validation import GREY, OTHERS
 from ..reproduction import fit_code
-from ..text.fit import JUDGED, failures, meaning, median_errors, ranking_table, stated, tie, typed, unknown, worth
+from ..text.fit import (
+    JUDGED,
+    choices,
+    failures,
+    meaning,
+    median_errors,
+    ranking_table,
+    stated,
+    tie,
+    typed,
+    unknown,
+    worth,
+)
 from ..versions import versions
 from .figures import Figure, marker, plain, plane, scatter, space, style, surface
 from .page import number, picture, render
@@ -67,7 +79,7 @@ def fit_page(fit: Fit, maps: Mapping[str, Path]) -> str:
         quantities=[_quantity(fit, name) for name in (*box, *fit.outputs)],
         cheap=f"{type(fit.low_fidelity.vehicle).__name__}; {fit.low_fidelity.road.describe()}",
         unknown=unknown(fit),
-        judged=JUDGED,
+        judged=f"{JUDGED} {choices(fit)}",
         outputs=sections,
         predict=f"susp-ss predict surrogate.json --at {shlex.quote(middle)}",
         code=fit_code(fit),

@@ -31,9 +31,19 @@ def _head(fit: Fit) -> str:
         [
             _paragraph(f"{len(runs.rows)} runs of {runs.path}: {inputs}"),
             _paragraph(f"Cheap model: {type(cheap.vehicle).__name__}; {typeset(cheap.road.describe())}"),
-            *(_paragraph(line) for line in [*unknown(fit), JUDGED]),
+            *(_paragraph(line) for line in [*unknown(fit), JUDGED, choices(fit)]),
         ]
     )
+
+
+def choices(fit: Fit) -> str:
+    """Which runs the choices behind a prediction have seen."""
+    if fit.asked["refit"]:
+        return (
+            "Thetas of Kriging and shapes of radial bases were found anew for every fold; beside, the RMSE with those "
+            "of the fit to all runs."
+        )
+    return "Thetas of Kriging and shapes of radial bases are those of the fit to all runs."
 
 
 def unknown(fit: Fit) -> list[str]:
@@ -88,6 +98,8 @@ def ranking_table(found: OutputFit, unit: str) -> pd.DataFrame:
             "max error": table.MAE.map("{:.3g}".format),
         }
     )
+    if "RMSE_fixed" in table:
+        shown["all runs' thetas"] = table.RMSE_fixed.map(lambda rmse: "" if math.isnan(rmse) else f"{rmse:.4g}")
     if table.coverage.notna().any():
         shown["in 95 %"] = table.coverage.map(lambda share: "" if math.isnan(share) else f"{100.0 * share:.0f} %")
     if found.kept_back:
