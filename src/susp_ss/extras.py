@@ -12,7 +12,6 @@ from urllib.request import url2pathname
 
 EXTRAS = {
     "fast": (("numba",), "compiled code where designs are very many"),
-    "kriging": (("smt",), "the surrogates Kriging and CoKriging"),
     "pages": (("plotly", "jinja2"), "report.html of a study and of a fit"),
     "excel": (("openpyxl",), "runs in Excel files"),
     "netcdf": (("netCDF4",), "runs in NetCDF 4 files"),

@@ -166,7 +166,7 @@ def fit_runs(
     trust_units : bool
         Take the runs though the cheap model is more than 30 times apart from them.
     random_state : int
-        Of the folds, of the runs held out and of Kriging.
+        Of the folds and of the runs held out.
     progress : bool
         Show progress on stderr.
 
@@ -201,7 +201,7 @@ def fit_runs(
     tried = {}
     for output, f in cheap.items():
         tuned = low_fidelity.response(output, columns, tuned=True) if f and _tunable(low_fidelity, f) else None
-        tried[output] = candidates(len(columns), f, tuned, random_state)
+        tried[output] = candidates(f, tuned)
         if choose is not None and choose not in tried[output]:
             raise ValueError(f"no surrogate of {output} named {choose!r}, available: {', '.join(tried[output])}")
     taken, kept = _split(runs, held_out_runs, random_state)
@@ -239,18 +239,13 @@ def fit_runs(
     return Fit(taken, low_fidelity, found, asked)
 
 
-def candidates(
-    inputs: int, cheap: LowFidelityResponse | None, tuned: LowFidelityResponse | None, random_state: int
-) -> dict[str, Surrogate]:
+def candidates(cheap: LowFidelityResponse | None, tuned: LowFidelityResponse | None) -> dict[str, Surrogate]:
     """Every surrogate by name: the cheap model tuned, where there is one, and the runs approximated.
 
     Parameters
     ----------
-    inputs : int
-        Number of columns.
     cheap, tuned : LowFidelityResponse or None
         The cheap response of the designs, and of the designs and its parameter.
-    random_state : int
     """
     tuning: dict[str, Surrogate] = {}
     if cheap is not None:
@@ -261,12 +256,12 @@ def candidates(
         }
         if tuned is not None:
             tuning[f"PB {tuned.parameter}"] = ParameterBased(tuned)
-        tuning["CoKriging"] = CoKriging(cheap, samples=30 * inputs, random_state=random_state)
+        tuning["CoKriging"] = CoKriging(cheap)
     return tuning | {
         **{f"Polynomial {degree}": Polynomial(degree) for degree in (1, 2, 3)},
         "RBF thin plate": RadialBasis(),
         "RBF Gaussian": RadialBasis("gaussian"),
-        "Kriging": Kriging(random_state=random_state),
+        "Kriging": Kriging(),
     }
 
 

@@ -6,7 +6,7 @@ import importlib.metadata
 import platform
 from contextlib import suppress
 
-_PACKAGES = ("susp_ss", "numpy", "scipy", "xarray", "scikit-learn", "smt", "cvxpy", "matplotlib", "plotly")
+_PACKAGES = ("susp_ss", "numpy", "scipy", "xarray", "scikit-learn", "cvxpy", "matplotlib", "plotly")
 
 
 def versions() -> dict[str, str]:

@@ -16,16 +16,13 @@ from ..progress import tracked
 from ..quantities import whole_number
 from .accuracy import accuracy
 from .folds import check_mapping, checked_runs, one_blas_thread, rows, same_design, unfitted
-from .kriging import CoKriging, Kriging
+from .kriging import MANY, CoKriging, Kriging
 from .low_fidelity import evaluated
 from .regressor import Array, ExtrapolationWarning
 from .sampling import sample
 
 BUDGETS = (5, 10, 20, 50, 100, 200, 400)
 """Numbers of expensive runs."""
-
-# Kriging takes the third power of the runs: 0.4 s for 60, 15 s for 400.
-KRIGING = 100
 
 # Of a file's runs, what may be fitted if the caller does not say; the others test.
 FITTED = 0.8
@@ -68,7 +65,7 @@ def learning_curve(
         Designs to test at: a Sobol sequence from another seed, the same for all.
     random_state : int
     limits : mapping of str to int, optional
-        Most runs to fit a surrogate to, by its name; by default 100 for `Kriging` and `CoKriging`, and none for the
+        Most runs to fit a surrogate to, by its name; by default 500 for `Kriging` and `CoKriging`, and none for the
         others.
     progress : bool
         Show progress on stderr.
@@ -197,7 +194,7 @@ def _tried(surrogate: Any, fitted: Runs, test: Runs) -> dict[str, Any]:
     start = time.perf_counter()
     try:
         model = unfitted(surrogate).fit(*fitted)
-    except (ValueError, RuntimeError, ModuleNotFoundError) as error:
+    except (ValueError, RuntimeError) as error:
         return {"refused": str(error)}
     seconds = time.perf_counter() - start
     with warnings.catch_warnings():
@@ -210,7 +207,7 @@ def _tried(surrogate: Any, fitted: Runs, test: Runs) -> dict[str, Any]:
 def _most(surrogates: Mapping[str, Any], limits: Mapping[str, int] | None) -> dict[str, int]:
     """Most runs by surrogate, of those that have such a limit."""
     if limits is None:
-        return {name: KRIGING for name, surrogate in surrogates.items() if isinstance(surrogate, Kriging | CoKriging)}
+        return {name: MANY for name, surrogate in surrogates.items() if isinstance(surrogate, Kriging | CoKriging)}
     for name in limits:
         if name not in surrogates:
             raise ValueError(f"limits has no surrogate named {name!r}, available: {', '.join(surrogates)}")

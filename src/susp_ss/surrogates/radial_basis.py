@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from numbers import Real
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import RBFInterpolator
 from scipy.linalg import lapack
 from scipy.spatial.distance import cdist
@@ -16,7 +16,8 @@ from scipy.special import xlogy
 from sklearn.preprocessing import PolynomialFeatures
 
 from ..quantities import briefly, whole_number
-from .regressor import DEPENDENT, Approximation, Array
+from .left_out import left_out
+from .regressor import Approximation, Array, independent
 
 # phi(r) with scipy's signs, after the study's Eqs 10 to 21, where r^2 ln r is 0 at r = 0, and Eq 15 has a misprint for
 # exp(-r^2 / (2 sigma^2)): shape = 1 / (sqrt(2) sigma).
@@ -137,6 +138,33 @@ class RadialBasis(Approximation):
         designs = self._designs(X)
         return self.interpolator_(self.box_.transform(designs))
 
+    def predict_left_out(self, folds: Sequence[NDArray[np.intp]]) -> tuple[Array, None]:
+        """Predict runs by the others alone, in closed form, with the shape and the scaled columns of all.
+
+        Parameters
+        ----------
+        folds : sequence of ndarray of int
+            Rows of the fitted designs, each in one fold; a fold is left out together, equal designs in one.
+
+        Returns
+        -------
+        ndarray (n,), None
+            Interpolants (n,) through the other runs of a fold; they have no standard deviation.
+
+        Raises
+        ------
+        ValueError
+            A fold without which the tail is not determined, with the number of its runs.
+        """
+        designs, responses = self.runs_
+        Z, degree = self.box_.transform(designs), self._degree()
+        H = np.linalg.inv(_conditions(Z, self.kernel, self.shape_, degree))[: len(Z), : len(Z)]
+        predicted = responses.copy()
+        distinct = [np.unique(self._of_run[S]) for S in folds]
+        for S, errors, _ in left_out(H, responses, _tail(Z, degree), distinct):
+            predicted[S] -= errors
+        return predicted[self._of_run], None
+
     def _degree(self) -> int:
         if self.kernel not in KERNELS:
             raise ValueError(f"kernel must be one of {', '.join(KERNELS)}, got {briefly(self.kernel)}")
@@ -191,11 +219,8 @@ def _determined(Z: Array, kernel: str, shape: float, degree: int) -> bool:
     The tail is judged by the singular values of its monomials on the scaled columns. The bumps may be as flat as 16
     digits bear: beyond that the weights are noise, whether or not an elimination meets a pivot of exactly zero.
     """
-    P = _tail(Z, degree)
-    if P.shape[1]:
-        values = np.linalg.svd(P, compute_uv=False)
-        if values[-1] <= DEPENDENT * values[0]:
-            return False
+    if not independent(_tail(Z, degree)):
+        return False
     return bool(_reciprocal_condition(_conditions(Z, kernel, shape, degree)) > np.finfo(float).eps)
 
 

@@ -20,6 +20,23 @@ DEPENDENT = 1e-10
 # Of the box of the runs, what a design may lie beyond it by rounding.
 EDGE = 1e-9
 
+# Runs of an approximation that holds every distance between them: 200 MB, and a minute.
+MOST_RUNS = 5000
+
+
+def independent(columns: Array) -> bool:
+    """Whether no column is a combination of the others, beyond rounding, by their singular values."""
+    if not columns.shape[1]:
+        return True
+    values = np.linalg.svd(columns, compute_uv=False)
+    return bool(len(values) == columns.shape[1] and values[-1] > DEPENDENT * values[0])
+
+
+def beyond(designs: Array, lowest: Array, highest: Array) -> NDArray[np.bool_]:
+    """Which values (n, k) lie outside a box, by more than rounding."""
+    edge = EDGE * np.maximum(np.abs(lowest), np.abs(highest))
+    return (designs < lowest - edge) | (designs > highest + edge)
+
 
 class ExtrapolationWarning(UserWarning):
     """Designs were predicted outside the box of the runs, where nothing holds a surrogate to the expensive model."""
@@ -36,7 +53,7 @@ class Surrogate(RegressorMixin, BaseEstimator):
 
     def outside(self, X: ArrayLike) -> NDArray[np.bool_]:
         """Which of the designs X (n, k) lie outside the box of the runs, beyond rounding."""
-        return np.any(self._beyond(self._columns(X)), axis=1)
+        return np.any(beyond(self._columns(X), self.lowest_, self.highest_), axis=1)
 
     def _numbers(self) -> dict[str, Any]:
         """What a fit found beside its box, from which `_restore` makes the same predictions."""
@@ -55,12 +72,12 @@ class Surrogate(RegressorMixin, BaseEstimator):
     def _designs(self, X: ArrayLike) -> Array:
         """Designs (n, k) to be predicted; those outside the box of the runs are warned of."""
         designs = self._columns(X)
-        beyond = self._beyond(designs)
-        if beyond.any():
-            column = int(np.argmax(beyond.any(axis=0)))
-            far = designs[np.argmax(beyond[:, column]), column]
+        far_out = beyond(designs, self.lowest_, self.highest_)
+        if far_out.any():
+            column = int(np.argmax(far_out.any(axis=0)))
+            far = designs[np.argmax(far_out[:, column]), column]
             warnings.warn(
-                f"{np.count_nonzero(beyond.any(axis=1))} of {len(designs)} designs lie outside the box of the runs, "
+                f"{np.count_nonzero(far_out.any(axis=1))} of {len(designs)} designs lie outside the box of the runs, "
                 f"such as {self._place(column)} = {far:g} where the runs go from {self.lowest_[column]:g} to "
                 f"{self.highest_[column]:g}: an extrapolation",
                 ExtrapolationWarning,
@@ -72,10 +89,6 @@ class Surrogate(RegressorMixin, BaseEstimator):
         """Designs (n, k) with the columns of the fit."""
         check_is_fitted(self)
         return validate_data(self, X, reset=False, dtype=float)
-
-    def _beyond(self, designs: Array) -> NDArray[np.bool_]:
-        edge = EDGE * np.maximum(np.abs(self.lowest_), np.abs(self.highest_))
-        return (designs < self.lowest_ - edge) | (designs > self.highest_ + edge)
 
     def _place(self, column: int) -> str:
         """A column in the words of a message."""
@@ -123,11 +136,27 @@ class Approximation(Surrogate):
                 f"{float(responses[first[group[row]]])!r} and {float(responses[row])!r}; keep one, or their mean"
             )
         kept = np.sort(first)
-        self.runs_ = designs[kept], responses[kept]
+        self._of_run = np.searchsorted(kept, first[group])
+        return self._keep(designs[kept], responses[kept])
+
+    def _keep(self, designs: Array, responses: Array) -> tuple[Array, Array]:
+        if len(designs) > MOST_RUNS:
+            raise ValueError(
+                f"{type(self).__name__} takes at most {MOST_RUNS} runs, got {len(designs)}; some hundred are plenty in "
+                "a few variables"
+            )
+        self.runs_ = designs, responses
         return self.runs_
 
     def _found_runs(self, found: dict[str, Any]) -> tuple[Array, Array]:
-        """Take up the runs that an interpolant keeps, and their box."""
-        self.runs_ = np.asarray(found["designs"], dtype=float), np.asarray(found["responses"], dtype=float)
-        self.box_ = self._box(self.runs_[0])
-        return self.runs_
+        """Take up the runs that an approximation keeps, and their box."""
+        designs, responses = (np.asarray(found[name], dtype=float) for name in ("designs", "responses"))
+        if designs.ndim != 2 or designs.shape != (len(responses), self.n_features_in_) or responses.ndim != 1:
+            raise ValueError(
+                f"designs and responses must be (n, {self.n_features_in_}) and (n,), got {designs.shape} and "
+                f"{responses.shape}"
+            )
+        if not (np.isfinite(designs).all() and np.isfinite(responses).all()):
+            raise ValueError("designs and responses must be finite")
+        self.box_ = self._box(designs)
+        return self._keep(designs, responses)

@@ -37,7 +37,7 @@ from .folds import (
 from .kriging import Kriging
 from .polynomial import Polynomial
 from .radial_basis import RadialBasis
-from .regressor import Array, ExtrapolationWarning
+from .regressor import Array, ExtrapolationWarning, beyond
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +54,9 @@ class Validation:
         Which runs lie outside the box of those that the surrogate was fitted to; None if it keeps no box.
     confidence : float
         Of all intervals.
+    fixed : ndarray, (n,), or None
+        Predicted with the thetas, noise or shape of a fit to all runs, where `predicted` found them anew for every
+        fold; None where there was no such choice.
     """
 
     y: Array
@@ -61,6 +64,7 @@ class Validation:
     std: Array | None
     outside: NDArray[np.bool_] | None
     confidence: float = 0.95
+    fixed: Array | None = None
 
     @property
     def residuals(self) -> Array:
@@ -71,6 +75,11 @@ class Validation:
     def accuracy(self) -> Accuracy:
         """R2, RMSE and MAE, the maximum absolute error."""
         return accuracy(self.y, self.predicted)
+
+    @property
+    def rmse_fixed(self) -> float:
+        """RMSE of ``fixed``; NaN without."""
+        return np.nan if self.fixed is None else accuracy(self.y, self.fixed).RMSE
 
     @functools.cached_property
     def interval(self) -> tuple[Accuracy, Accuracy]:
@@ -128,7 +137,8 @@ class Comparison:
         By surrogate, least RMSE first: ``R2``, ``RMSE`` with its confidence bounds ``RMSE_low`` and ``RMSE_high``,
         ``MAE`` (the maximum absolute error), ``coverage`` of the predicted intervals (NaN without), ``outside``, the
         number of runs predicted outside the box of the fitted ones (NaN if unknown), ``low_fidelity``, whether the
-        surrogate uses a cheap model, and ``seconds`` of all its fits and predictions.
+        surrogate uses a cheap model, and ``seconds`` of all its fits and predictions. With ``refit``, ``RMSE_fixed`` is
+        what it would have been without (NaN where there is no difference).
     validations : dict
         A `Validation` by surrogate.
     refused : dict
@@ -201,6 +211,7 @@ def cross_validate(
     folds: int | None = None,
     random_state: int | None = 0,
     confidence: float = 0.95,
+    refit: bool = False,
 ) -> Validation:
     """Predict each expensive run by a surrogate fitted to others.
 
@@ -218,6 +229,10 @@ def cross_validate(
     random_state : int or None
         Of the parts.
     confidence : float
+    refit : bool
+        Find thetas and noise of `Kriging` and `CoKriging`, and the shape of `RadialBasis`, anew for every fold. By
+        default they are those of a fit to all runs, from which the runs left out are predicted in closed form, at the
+        cost of that one fit.
 
     Returns
     -------
@@ -244,7 +259,7 @@ def cross_validate(
     [-2.0, 1.0, -2.0]
     """
     X, y = checked_runs(X, y)
-    return _cross_validated(surrogate, X, y, split(X, folds, random_state), _checked_confidence(confidence))
+    return _cross_validated(surrogate, X, y, split(X, folds, random_state), _checked_confidence(confidence), refit)
 
 
 def held_out(surrogate: Any, X: ArrayLike, y: ArrayLike, confidence: float = 0.95) -> Validation:
@@ -290,6 +305,7 @@ def compare(
     folds: int | None = None,
     random_state: int | None = 0,
     confidence: float = 0.95,
+    refit: bool = False,
     progress: bool = False,
 ) -> Comparison:
     """Cross-validate surrogates on the same folds of the same expensive runs.
@@ -298,7 +314,7 @@ def compare(
     ----------
     surrogates : mapping of str to scikit-learn regressor
         If all use a low-fidelity model, `Polynomial`, `RadialBasis` and `Kriging` join as the baseline.
-    X, y, folds, random_state, confidence
+    X, y, folds, random_state, confidence, refit
         As of `cross_validate`.
     progress : bool
         Show progress on stderr.
@@ -306,7 +322,7 @@ def compare(
     Returns
     -------
     Comparison
-        A surrogate that cannot be fitted to every fold, or needs what is not installed, is listed in ``refused``.
+        A surrogate that cannot be fitted to every fold is listed in ``refused``.
 
     Raises
     ------
@@ -314,11 +330,6 @@ def compare(
         ``surrogates`` is no mapping, or empty.
     ValueError
         As `cross_validate`, or no surrogate could be fitted.
-
-    Warns
-    -----
-    UserWarning
-        A surrogate needs what is not installed; the message says how to get it.
 
     Examples
     --------
@@ -343,24 +354,28 @@ def compare(
     for name, surrogate in tracked(candidates.items(), "comparing", progress):
         start = time.perf_counter()
         try:
-            validations[name] = _cross_validated(surrogate, X, y, splits, confidence)
+            validations[name] = _cross_validated(surrogate, X, y, splits, confidence, refit)
         except (ValueError, RuntimeError) as error:
             refused[name] = str(error)
-        except ModuleNotFoundError as error:
-            refused[name] = f"{error.name} is not installed"
-            warnings.warn(str(error), stacklevel=2)
         seconds[name] = time.perf_counter() - start
     if not validations:
         raise ValueError("no surrogate can be fitted: " + "; ".join(f"{name}: {why}" for name, why in refused.items()))
     found = [
-        _row(validation) | {"low_fidelity": uses_low_fidelity(candidates[name]), "seconds": seconds[name]}
+        _row(validation, refit) | {"low_fidelity": uses_low_fidelity(candidates[name]), "seconds": seconds[name]}
         for name, validation in validations.items()
     ]
     table = pd.DataFrame(found, index=pd.Index(list(validations), name="surrogate")).sort_values("RMSE", kind="stable")
     return Comparison(table, validations, refused)
 
 
-def _cross_validated(surrogate: Any, X: Any, y: Array, folds: Sequence[Fold], confidence: float) -> Validation:
+def _cross_validated(
+    surrogate: Any, X: Any, y: Array, folds: Sequence[Fold], confidence: float, refit: bool
+) -> Validation:
+    fixed = None
+    if hasattr(surrogate, "predict_left_out"):
+        fixed = _in_closed_form(surrogate, X, y, folds, confidence)
+        if not refit:
+            return fixed
     parts = []
     with one_blas_thread():
         for i, (fitted, left_out) in enumerate(folds, 1):
@@ -376,6 +391,17 @@ def _cross_validated(surrogate: Any, X: Any, y: Array, folds: Sequence[Fold], co
         return None if columns[0] is None else np.concatenate(columns)[order]
 
     predicted, std, outside = map(joined, zip(*parts, strict=True))
+    return Validation(y, predicted, std, outside, confidence, None if fixed is None else fixed.predicted)
+
+
+def _in_closed_form(surrogate: Any, X: Any, y: Array, folds: Sequence[Fold], confidence: float) -> Validation:
+    with one_blas_thread():
+        model = unfitted(surrogate).fit(X, y)
+        predicted, std = model.predict_left_out([left_out for _, left_out in folds])
+    designs, outside = np.asarray(X, dtype=float), np.empty(len(y), dtype=bool)
+    for fitted, left_out in folds:
+        box = designs[fitted].min(axis=0), designs[fitted].max(axis=0)
+        outside[left_out] = beyond(designs[left_out], *box).any(axis=1)
     return Validation(y, predicted, std, outside, confidence)
 
 
@@ -399,7 +425,7 @@ def _baselines() -> dict[str, Any]:
     }
 
 
-def _row(validation: Validation) -> dict[str, Any]:
+def _row(validation: Validation, refit: bool) -> dict[str, Any]:
     low, high = validation.interval
     known = {"coverage": validation.coverage, "outside": validation.outside}
     return {
@@ -408,6 +434,7 @@ def _row(validation: Validation) -> dict[str, Any]:
         "RMSE_low": low.RMSE,
         "RMSE_high": high.RMSE,
         "MAE": validation.accuracy.MAE,
+        **({"RMSE_fixed": validation.rmse_fixed} if refit else {}),
     } | {name: np.nan if values is None else float(np.sum(values)) for name, values in known.items()}
 
 
