@@ -100,7 +100,7 @@ UNITS: dict[str, dict[str, float]] = {
     "N/m": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "lbf/in": _LB * _G / _IN},
     "N s/m": {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3, "lbf s/in": _LB * _G / _IN},
     "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": _G},
-    "N": {"N": 1.0, "kN": 1e3, "lbf": _LB * _G},
+    "N": {"N": 1.0, "kN": 1e3, "lbf": _LB * _G, "kgf": _G},
     "rad/s^2": {"rad/s^2": 1.0, "deg/s^2": math.pi / 180.0},
     "W": {"W": 1.0, "kW": 1e3},
     "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704},

@@ -16,7 +16,19 @@ from ...quantities import titled
 from ..plots.study import SURFACES
 from ..plots.validation import GREY, OTHERS
 from ..reproduction import fit_code
-from ..text.fit import JUDGED, failures, meaning, median_errors, ranking_table, stated, tie, typed, unknown, worth
+from ..text.fit import (
+    JUDGED,
+    failures,
+    judged,
+    meaning,
+    median_errors,
+    ranking_table,
+    stated,
+    tie,
+    typed,
+    unknown,
+    worth,
+)
 from ..versions import versions
 from .figures import Figure, marker, plain, plane, scatter, space, style, surface
 from .page import number, picture, render
@@ -92,6 +104,8 @@ def _section(fit: Fit, output: str) -> dict[str, Any]:
         "low": float(fit.runs.responses[output].min()),
         "high": float(fit.runs.responses[output].max()),
         "taken": found.chosen,
+        "first": judged(fit, output),
+        "predicts": found.verdict.predicts,
         "said": [*tie(found), worth(fit, found), *stated(found)],
         "columns": list(ranking.columns),
         "rows": list(zip(ranking.index, ranking.to_numpy().tolist(), strict=True)),
