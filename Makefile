@@ -60,7 +60,7 @@ bench: .venv/installed-test
 
 .venv/installed: pyproject.toml constraints.txt
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[pages,kriging]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[pages]'
 	touch $@
 
 .venv/installed-test: .venv/installed

@@ -10,7 +10,6 @@ import pytest
 
 from susp_ss import progress
 from susp_ss.cli import main
-from susp_ss.surrogates import kriging
 
 # Machines differ in speed and are shared: no test fails by the clock.
 hypothesis.settings.register_profile(
@@ -77,14 +76,6 @@ def no_lines_by_the_clock():
     """Off a terminal, progress is a line every ten seconds; what a test reads must not hang on the machine's speed."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(progress, "EVERY", float("inf"))
-        yield
-
-
-@pytest.fixture(autouse=True, scope="session")
-def few_starts():
-    """Search likelihoods from two starts in place of ten; what tests the search itself asks for ten."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(kriging, "STARTS", 2)
         yield
 
 

@@ -30,16 +30,16 @@ def noted(monkeypatch):
 
 
 CAME_FROM = {
-    "an index": (None, ["susp_ss[kriging]"]),
+    "an index": (None, ["susp_ss[netcdf]"]),
     "a checkout": (
         {"url": "file:///home/me/my%20cars", "dir_info": {"editable": True}},
-        ["-e", "/home/me/my cars[kriging]"],
+        ["-e", "/home/me/my cars[netcdf]"],
     ),
-    "a folder": ({"url": "file:///home/me/cars", "dir_info": {}}, ["susp_ss[kriging] @ file:///home/me/cars"]),
-    "a wheel": ({"url": "file:///tmp/s.whl", "archive_info": {}}, ["susp_ss[kriging] @ file:///tmp/s.whl"]),
+    "a folder": ({"url": "file:///home/me/cars", "dir_info": {}}, ["susp_ss[netcdf] @ file:///home/me/cars"]),
+    "a wheel": ({"url": "file:///tmp/s.whl", "archive_info": {}}, ["susp_ss[netcdf] @ file:///tmp/s.whl"]),
     "git": (
         {"url": "https://example.org/s.git", "vcs_info": {"vcs": "git", "commit_id": "0a1b"}},
-        ["susp_ss[kriging] @ git+https://example.org/s.git@0a1b"],
+        ["susp_ss[netcdf] @ git+https://example.org/s.git@0a1b"],
     ),
 }
 
@@ -47,7 +47,7 @@ CAME_FROM = {
 @pytest.mark.parametrize(("origin", "told"), CAME_FROM.values(), ids=CAME_FROM)
 def test_the_command_is_right_wherever_the_package_came_from(origin, told, noted):
     noted(origin)
-    assert shlex.split(installation("kriging")) == [sys.executable, "-m", "pip", "install", *told]
+    assert shlex.split(installation("netcdf")) == [sys.executable, "-m", "pip", "install", *told]
 
 
 def test_a_package_that_is_not_installed_is_asked_for_by_name(monkeypatch):
@@ -81,10 +81,10 @@ def test_versions_leave_out_what_is_not_installed(monkeypatch):
     known = importlib.metadata.version
 
     def version(name):
-        if name == "smt":
+        if name == "plotly":
             raise importlib.metadata.PackageNotFoundError(name)
         return known(name)
 
     monkeypatch.setattr(importlib.metadata, "version", version)
-    assert "smt" not in versions()
+    assert "plotly" not in versions()
     assert "numpy" in versions()

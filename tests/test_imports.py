@@ -22,10 +22,6 @@ def test_vehicles_and_roads_need_no_heavy_library():
     assert not heavy & loaded_by("import susp_ss as ss; ss.ride_metrics(ss.FullCar(), ss.Road())")
 
 
-def test_kriging_alone_loads_smt():
-    assert "smt" not in loaded_by("import susp_ss as ss; ss.Kriging(), ss.ResponseBased(None)")
-
-
 def test_command_line_help_loads_no_numerical_library():
     heavy = {"numpy", "scipy", "xarray", "pandas", "control", "cvxpy", "matplotlib", "sklearn"}
     assert not heavy & loaded_by("import susp_ss.cli")

@@ -41,10 +41,10 @@ def needing(extra: str, who: str) -> Iterator[None]:
     Examples
     --------
     >>> from susp_ss.extras import needing
-    >>> with needing("kriging", "Kriging"):
-    ...     import smt_of_another_planet
+    >>> with needing("parquet", "A table"):
+    ...     import pyarrow_of_another_planet
     Traceback (most recent call last):
-    ModuleNotFoundError: Kriging needs smt_of_another_planet, which is not installed; run ... -m pip install ...
+    ModuleNotFoundError: A table needs pyarrow_of_another_planet, which is not installed; run ... -m pip install ...
     """
     try:
         yield
@@ -62,7 +62,7 @@ def installation(extra: str) -> str:
     Examples
     --------
     >>> from susp_ss.extras import installation
-    >>> installation("kriging").split()[1:4]
+    >>> installation("parquet").split()[1:4]
     ['-m', 'pip', 'install']
     """
     python = f'"{sys.executable}"' if " " in sys.executable else sys.executable

@@ -38,11 +38,11 @@ def test_each_thing_has_its_line(run, cache):
 
 
 def test_what_lacks_has_its_command(run, cache, missing):
-    missing("smt")
-    _, purpose = EXTRAS["kriging"]
-    assert said(run)["[kriging]"] == f"lacks smt, for {purpose}; run {installation('kriging')}"
+    missing("netCDF4")
+    _, purpose = EXTRAS["netcdf"]
+    assert said(run)["[netcdf]"] == f"lacks netCDF4, for {purpose}; run {installation('netcdf')}"
     document = json.loads(run("doctor", "--json").out)
-    assert document["extras"]["kriging"] == {"for": purpose, "missing": ["smt"], "install": installation("kriging")}
+    assert document["extras"]["netcdf"] == {"for": purpose, "missing": ["netCDF4"], "install": installation("kriging")}
 
 
 def test_compiled_code_is_measured(run, cache):

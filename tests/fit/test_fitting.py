@@ -47,21 +47,6 @@ def fitted(runs_file):
     return ss.fit_runs(runs, LowFidelity(ss.QuarterCar(), ROAD, "fr", "ms"), folds=4, learning=True, held_out_runs=2)
 
 
-def test_without_smt_the_others_are_fitted_and_one_line_says_how_to_get_it(runs_file, run, missing):
-    missing("smt")
-    line = ("fit", runs_file, "--inputs", "ks,cs", "--outputs", "bacc", *SCENARIO)
-    code, out, err = run(*line, "--json")
-    assert code == 0
-    assert err.startswith("susp-ss: warning: Kriging needs smt, which is not installed; run ")
-    assert err.count("\n") == 1
-    for found in json.loads(out)["outputs"].values():
-        assert found["not_fitted"] == dict.fromkeys(["CoKriging", "Kriging"], "smt is not installed")
-    assert "Not fitted: CoKriging, Kriging (smt is not installed)." in run(*line).out
-    code, _, err = run(*line, "--surrogate", "Kriging")
-    assert code == 2
-    assert "error: Kriging cannot be fitted to bacc: smt is not installed\n" in err
-
-
 def test_each_output_has_every_surrogate_and_the_best_is_taken(fitted):
     for found in fitted.outputs.values():
         ranked = found.comparison.table

@@ -30,7 +30,7 @@ def fitted():
     models = {}
     for output, make in {
         "bacc": lambda f: ss.VariableBased(f),
-        "sws": lambda f: ss.CoKriging(f, samples=12),
+        "sws": lambda f: ss.CoKriging(f),
         "dtl_fr": lambda f: ss.ResponseBased(f, form="power"),
         "roll_acc": lambda f: ss.Polynomial(degree=1),
         "peak": lambda f: ss.Kriging(),
@@ -77,8 +77,8 @@ def test_columns_go_by_name(path):
         (lambda d: d | {"format": "recipe"}, 'not a surrogate file: it must say "format": "susp_ss surrogate"'),
         (lambda d: [d], "not a surrogate file"),
         (
-            lambda d: d | {"version": 2, "susp_ss": "3.1"},
-            r"written by a newer susp_ss \(3.1, file version 2\), this one",
+            lambda d: d | {"version": 3, "susp_ss": "3.1"},
+            r"written by a newer susp_ss \(3.1, file version 3\), this one",
         ),
         (lambda d: d | {"version": "1"}, "damaged: version must be a whole number >= 1, got '1'"),
         (lambda d: {k: v for k, v in d.items() if k != "outputs"}, "damaged: 'outputs' is missing"),

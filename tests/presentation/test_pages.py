@@ -55,7 +55,6 @@ def fitted(folder, table, inputs, outputs):
     every = fitting.candidates
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(fitting, "candidates", lambda *a: {k: v for k, v in every(*a).items() if k in quick})
-        patch.setattr("susp_ss.surrogates.kriging.STARTS", 1)
         return ss.fit_runs(read, ss.LowFidelity(ss.QuarterCar(), ROAD, "fr", "ms"), learning=True)
 
 

@@ -14,7 +14,6 @@ from sklearn.utils import estimator_checks
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
 import susp_ss as ss
-from susp_ss.surrogates import kriging
 
 
 class Plain:
@@ -46,7 +45,7 @@ ESTIMATORS = [
     ss.RadialBasis(),
     ss.RadialBasis("gaussian"),
     ss.Kriging(),
-    ss.CoKriging(low_fidelity=Plain(), samples=10),
+    ss.CoKriging(low_fidelity=Plain()),
 ]
 
 
@@ -58,7 +57,6 @@ def test_scikit_learn_checks(estimator, check, monkeypatch):
     if isinstance(estimator, ss.Kriging | ss.CoKriging | ss.RadialBasis):
         # The checks' own 200 runs in ten variables take minutes.
         monkeypatch.setattr(estimator_checks, "REGRESSION_DATASET", make_regression(30, 3, random_state=0))
-        monkeypatch.setattr(kriging, "STARTS", 1)
     check(estimator)
 
 
@@ -76,7 +74,7 @@ def test_clone_pipeline_and_cross_validation():
         ss.Polynomial(),
         ss.RadialBasis("multiquadric"),
         ss.Kriging(),
-        ss.CoKriging(ss.Response(ss.QuarterCar(), road, "sws"), samples=20),
+        ss.CoKriging(ss.Response(ss.QuarterCar(), road, "sws")),
     ):
         copy = clone(estimator)
         assert copy.get_params().keys() == estimator.get_params().keys()

@@ -27,8 +27,11 @@ from .low_fidelity import LowFidelity
 
 FORMAT = "susp_ss surrogate"
 
-VERSION = 1
+VERSION = 2
 """Of the file's layout; files of a later one are refused."""
+
+# Kinds that files of version 1 held with another library's numbers.
+FOREIGN = ("Kriging", "CoKriging")
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +188,8 @@ def load_surrogate(path: str | PathLike[str]) -> SuspensionSurrogate:
     OSError
         The file cannot be read.
     ValueError
-        The file is truncated or damaged (with line and column), no surrogate's, or of a newer version. The message
+        The file is truncated or damaged (with line and column), no surrogate's, of a newer version, or of an older one
+        with a surrogate that this version cannot make. The message
         begins with its name.
 
     Examples
@@ -223,12 +227,26 @@ def load_surrogate(path: str | PathLike[str]) -> SuspensionSurrogate:
             f"{path}: written by a newer susp_ss ({document.get('susp_ss')}, file version {version}), this one reads "
             f"up to file version {VERSION}; install that version"
         )
+    foreign = _foreign(document) if version < VERSION else None
+    if foreign:
+        raise ValueError(
+            f"{path}: holds {foreign} of file version {version}, which another library trained; fit the runs again "
+            "with susp-ss fit"
+        )
     try:
         return _restored(document)
     except KeyError as error:
         raise ValueError(f"{path}: damaged: {error} is missing") from error
     except (ValueError, TypeError, AttributeError, IndexError) as error:
         raise ValueError(f"{path}: damaged: {error}") from error
+
+
+def _foreign(document: dict[str, Any]) -> str | None:
+    """The first kind in a file whose numbers only another library reads."""
+    outputs = document.get("outputs")
+    found = outputs.values() if isinstance(outputs, dict) else ()
+    kinds = [output.get("kind") for output in found if isinstance(output, dict)]
+    return next((kind for kind in FOREIGN if kind in kinds), None)
 
 
 def _restored(document: dict[str, Any]) -> SuspensionSurrogate:

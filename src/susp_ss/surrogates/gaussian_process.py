@@ -13,12 +13,13 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
-from scipy.optimize import minimize
+from scipy.optimize import OptimizeResult, minimize
+from scipy.special import gammainc
 from scipy.stats import qmc
 
 from .regressor import DEPENDENT, Array
@@ -29,31 +30,31 @@ SQRT5 = np.sqrt(5.0)
 
 
 class Kernel(NamedTuple):
-    """A correlation by its variogram ``1 - r(t)`` and that one's slope, and the least theta whose digits it keeps."""
+    """A correlation by its variogram ``1 - r(t)``, to all digits however small, and that one's slope."""
 
-    variogram: Callable[[Array], Array]
-    slope: Callable[[Array], Array]
-    least: float
+    variogram: Callable[[Any], Any]
+    slope: Callable[[Any], Any]
 
 
-def _matern(t: Array) -> Array:
+def _matern(t: Any) -> Any:
+    """``1 - (1 + a + a^2/3) exp(-a)``, where the incomplete gamma function is ``1 - (1 + a + a^2/2) exp(-a)``."""
     a = SQRT5 * np.sqrt(t)
-    return 1.0 - (1.0 + a + a * a / 3.0) * np.exp(-a)
+    return gammainc(3.0, a) + a * a / 6.0 * np.exp(-a)
 
 
-def _matern_slope(t: Array) -> Array:
+def _matern_slope(t: Any) -> Any:
     a = SQRT5 * np.sqrt(t)
     return 5.0 / 6.0 * (1.0 + a) * np.exp(-a)
 
 
 # C. Rasmussen and C. Williams, Gaussian Processes for Machine Learning, 2006, Eqs 4.9 and 4.17.
 KERNELS = {
-    "gaussian": Kernel(lambda t: -np.expm1(-t), lambda t: np.exp(-t), 1e-5),
-    "matern52": Kernel(_matern, _matern_slope, 1e-3),
+    "gaussian": Kernel(lambda t: -np.expm1(-t), lambda t: np.exp(-t)),
+    "matern52": Kernel(_matern, _matern_slope),
 }
 
-# Of the thetas and of the noise; beyond, correlation ends between neighbours, and runs are noise alone.
-MOST_THETA, MOST_NOISE = 50.0, 100.0
+# Below, the process is a polynomial to most digits; beyond, neighbours tell nothing, and runs are noise alone.
+LEAST_THETA, MOST_THETA, MOST_NOISE = 1e-5, 50.0, 100.0
 
 # Where the search looks before it descends: thetas alike in all variables, and 2^MORE unlike ones.
 ALIKE, MORE, NOISES = (0.003, 0.03, 0.1, 0.3, 1.0, 3.0), 3, (1e-6, 1e-3, 1e-1)
@@ -65,8 +66,8 @@ STARTS, ENOUGH, FLAT = 2, 1e-5, 1e-2
 # point of chi squared with one degree of freedom.
 BELIEVED = 6.63
 
-# Beside n rounding errors of W, pivots stay positive under any kernel of LAPACK; no pivot below one is taken.
-LEAST_NOISE = 4.0 * EPSILON
+# For each run, in the measure of C: pivots of W stay clear of rounding under any kernel of LAPACK.
+LEAST_NOISE = 0.5 * EPSILON
 
 
 class Process:
@@ -105,12 +106,12 @@ class Process:
         at = noisy if self.free * (exact.fun - noisy.fun) > BELIEVED else exact
         return np.exp(at.x[:-1]), float(np.exp(at.x[-1]))
 
-    def _descend(self, noises: Sequence[float], between: tuple[float, float]):
-        least, most = np.log(self.kernel.least), np.log(MOST_THETA)
+    def _descend(self, noises: Sequence[float], between: tuple[float, float]) -> OptimizeResult:
+        least, most = np.log(LEAST_THETA), np.log(MOST_THETA)
         unlike = qmc.Sobol(self.k, scramble=False).random_base2(MORE)
         lowest, highest = np.log(ALIKE[0]), np.log(ALIKE[-1])
         thetas = [*(np.full(self.k, np.log(theta)) for theta in ALIKE), *(lowest + unlike * (highest - lowest))]
-        starts = [np.append(np.maximum(theta, least), np.log(noise)) for theta in thetas for noise in noises]
+        starts = [np.append(theta, np.log(noise)) for theta in thetas for noise in noises]
         order = np.argsort([self.deviance(start) for start in starts], kind="stable")
         found = [
             minimize(
@@ -162,7 +163,7 @@ class Process:
         return C
 
     def _factor(self, C: Array) -> Array | None:
-        """Cholesky's factor of W; None where a pivot is no more than rounding."""
+        """Cholesky's factor of W; None where a pivot is no more than rounding, whether or not LAPACK stops there."""
         W = self._contrast(self._contrast(C).T)
         factor, failed = lapack.dpotrf(W, lower=1)
         if failed or np.diag(factor).min() ** 2 <= EPSILON * np.diag(W).max():

@@ -12,7 +12,7 @@ from sklearn.preprocessing import PolynomialFeatures
 from sklearn.utils import gen_batches
 
 from ..quantities import briefly
-from .gaussian_process import KERNELS, MOST_NOISE, MOST_THETA, Prediction, Process
+from .gaussian_process import KERNELS, LEAST_THETA, MOST_NOISE, MOST_THETA, Prediction, Process
 from .left_out import left_out
 from .low_fidelity import check_callable, evaluated
 from .regressor import DEPENDENT, Approximation, Array, independent
@@ -45,7 +45,7 @@ class _GaussianProcess(Approximation):
         raise NotImplementedError
 
     def _fit(self, X: ArrayLike, y: ArrayLike) -> None:
-        designs, responses = self._keep(*self._runs(X, y))
+        designs, responses = self._merged(*self._runs(X, y))
         degrees = self._checked_degrees()
         if len(designs) > MANY:
             _warn_of_time(len(designs))
@@ -76,7 +76,7 @@ class _GaussianProcess(Approximation):
         Parameters
         ----------
         folds : sequence of ndarray of int
-            Rows of the fitted designs, each in one fold; a fold is left out together.
+            Rows of the fitted designs, each in one fold; a fold is left out together, equal designs in one.
 
         Returns
         -------
@@ -90,11 +90,12 @@ class _GaussianProcess(Approximation):
         """
         process = self.process_
         mean, std = process.y.copy(), np.empty(process.n)
-        for S, errors, squares in left_out(process.H, process.y, process.P, folds):
+        distinct = [np.unique(self._of_run[S]) for S in folds]
+        for S, errors, squares in left_out(process.H, process.y, process.P, distinct):
             variance = process.variance_without(S, errors)
             mean[S] -= errors
             std[S] = np.sqrt(variance * squares)
-        return mean, std
+        return mean[self._of_run], std[self._of_run]
 
     def _checked_degrees(self) -> Sequence[int]:
         if self.kernel not in KERNELS:
@@ -146,7 +147,7 @@ class _GaussianProcess(Approximation):
         degree, thetas, noise = found["degree"], np.asarray(found["scaled_thetas"], dtype=float), float(found["noise"])
         if degree not in TRENDS.values():
             raise ValueError(f"degree must be one of {', '.join(map(str, TRENDS.values()))}, got {briefly(degree)}")
-        least, most = 0.5 * KERNELS[self.kernel].least, 2.0 * MOST_THETA
+        least, most = 0.5 * LEAST_THETA, 2.0 * MOST_THETA
         if thetas.shape != (self.n_features_in_,) or not ((thetas >= least) & (thetas <= most)).all():
             raise ValueError(f"scaled_thetas must be one for each column, from {least:g} to {most:g}")
         if not 0.0 <= noise <= 2.0 * MOST_NOISE:
@@ -162,7 +163,7 @@ def _trend(Z: Array, guides: Array, degree: int) -> Array:
 
 
 def _degree_of(trend: Any) -> int:
-    if trend not in TRENDS:
+    if not isinstance(trend, str) or trend not in TRENDS:
         raise ValueError(f"trend must be one of {', '.join(TRENDS)}, got {briefly(trend)}")
     return TRENDS[trend]
 

@@ -158,10 +158,10 @@ class RadialBasis(Approximation):
         """
         designs, responses = self.runs_
         Z, degree = self.box_.transform(designs), self._degree()
-        H = np.linalg.inv(_conditions(Z, self.kernel, self.shape_, degree))[: len(Z), : len(Z)]
+        inverse: Array = np.linalg.inv(_conditions(Z, self.kernel, self.shape_, degree))
         predicted = responses.copy()
         distinct = [np.unique(self._of_run[S]) for S in folds]
-        for S, errors, _ in left_out(H, responses, _tail(Z, degree), distinct):
+        for S, errors, _ in left_out(inverse[: len(Z), : len(Z)], responses, _tail(Z, degree), distinct):
             predicted[S] -= errors
         return predicted[self._of_run], None
 

@@ -125,7 +125,7 @@ class Approximation(Surrogate):
         return MinMaxScaler(feature_range=(-1.0, 1.0)).fit(designs)
 
     def _distinct(self, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
-        """The runs to interpolate: a design that returns with the same response counts once."""
+        """The runs to interpolate: no design has two responses."""
         designs, responses = self._runs(X, y)
         _, first, group = np.unique(designs, axis=0, return_index=True, return_inverse=True)
         again = responses != responses[first[group]]
@@ -135,8 +135,15 @@ class Approximation(Surrogate):
                 f"rows {first[group[row]]} and {row} of X are one design with two responses, "
                 f"{float(responses[first[group[row]]])!r} and {float(responses[row])!r}; keep one, or their mean"
             )
+        return self._merged(designs, responses)
+
+    def _merged(self, designs: Array, responses: Array) -> tuple[Array, Array]:
+        """Take up the runs; a design that returns with the same response counts once."""
+        runs = np.column_stack([designs, responses])
+        _, first, group = np.unique(runs, axis=0, return_index=True, return_inverse=True)
         kept = np.sort(first)
-        self._of_run = np.searchsorted(kept, first[group])
+        # Of each run, which of those that are kept it is.
+        self._of_run = np.searchsorted(kept, first[group.ravel()])
         return self._keep(designs[kept], responses[kept])
 
     def _keep(self, designs: Array, responses: Array) -> tuple[Array, Array]:
