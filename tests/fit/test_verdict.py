@@ -47,9 +47,8 @@ def test_clean_runs_raise_no_doubt():
 
 
 def test_noise_is_not_predicted():
-    X, _ = car_runs(24)
-    told = [judge(X, 2.0 + np.random.default_rng(seed).normal(0.0, 0.3, 24)).predicts for seed in range(8)]
-    assert sum(told) <= 1
+    X, _ = car_runs(16)
+    assert not any(judge(X, 2.0 + np.random.default_rng(seed).normal(0.0, 0.3, 16)).predicts for seed in range(3))
 
 
 @pytest.mark.parametrize("factor", [10.0, 0.1, 1.7])
@@ -122,7 +121,7 @@ def test_the_report_the_document_and_the_file_say_it_first(useless, tmp_path):
     assert "of the columns that were not asked for (v)?" in bacc[1]
     assert any(line.startswith(f"Check {useless.runs.path}, line 6, column 'sws': ") for line in sws)
     assert text.index("NOTHING HERE PREDICTS bacc") < text.index("max error")
-    assert useless.surrogate.errors["bacc"]["predicts"] is False
+    assert useless.surrogate.accuracy["bacc"]["predicts"] is False
     from susp_ss.presentation.documents import fit_document
 
     document = fit_document(useless)

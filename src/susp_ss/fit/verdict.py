@@ -190,10 +190,10 @@ def _elsewhere(
     best = None
     for setting, value, other in _alternatives(low_fidelity, output, X):
         there = _line_errors(evaluated(other, X.to_numpy()), y)
-        low, _ = bootstrap.bounds(bootstrap.ratio, here, there, confidence=0.95)
         share = float(bootstrap.ratio(there, here, axis=-1))
-        if share < min(MUCH_BETTER, best.share if best else 1.0) and low > 1.0:
-            best = Elsewhere(setting, value, share)
+        if share < (best.share if best else MUCH_BETTER):
+            low, _ = bootstrap.bounds(bootstrap.ratio, here, there, confidence=0.95)
+            best = Elsewhere(setting, value, share) if low > 1.0 else best
     return best
 
 
