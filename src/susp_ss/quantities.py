@@ -141,7 +141,7 @@ UNITS: dict[str, dict[str, float]] = {
     "N/m": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "lbf/in": _LB * _G / _IN},
     "N s/m": {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3, "lbf s/in": _LB * _G / _IN},
     "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": _G},
-    "N": {"N": 1.0, "kN": 1e3, "lbf": _LB * _G},
+    "N": {"N": 1.0, "kN": 1e3, "lbf": _LB * _G, "kgf": _G},
     "N/rad": {"N/rad": 1.0, "N/deg": 180.0 / math.pi, "kN/rad": 1e3},
     "N m/rad": {"N m/rad": 1.0, "kN m/rad": 1e3, "N m/deg": 180.0 / math.pi},
     "N m s/rad": {"N m s/rad": 1.0, "N m s/deg": 180.0 / math.pi},

@@ -39,6 +39,7 @@ from .formulas import formula
 from .low_fidelity import LowFidelity, LowFidelityResponse
 from .runs import Runs
 from .surrogate_file import SuspensionSurrogate
+from .verdict import Verdict, verdict
 
 Array = NDArray[np.float64]
 
@@ -66,6 +67,8 @@ class OutputFit:
         What `learning_curve_of_runs` returns, if asked for.
     formula : (str, str) or None
         The best surrogate that has a formula, and the formula.
+    verdict : Verdict
+        Whether the surrogate taken predicts anything, and what may be wrong.
     """
 
     comparison: Comparison
@@ -75,6 +78,7 @@ class OutputFit:
     kept_back: dict[str, Validation]
     learning: pd.DataFrame | None
     formula: tuple[str, str] | None
+    verdict: Verdict
 
     @property
     def model(self) -> Surrogate:
@@ -124,7 +128,8 @@ class Fit:
     def _error(self, output: OutputFit) -> dict[str, Any]:
         """What a surrogate file says of a surrogate's error."""
         left_out = output.comparison.validations[output.chosen].accuracy
-        return {"surrogate": output.chosen, "runs": len(self.runs.rows), "left_out": left_out._asdict()}
+        own = {"surrogate": output.chosen, "runs": len(self.runs.rows), "predicts": output.verdict.predicts}
+        return own | {"left_out": left_out._asdict()}
 
     def __repr__(self) -> str:
         """What was taken, in one line."""
@@ -221,15 +226,17 @@ def fit_runs(
             with one_blas_thread():
                 models = {name: unfitted(surrogates[name]).fit(X, y) for name in comparison.table.index}
         f, at = cheap[output], kept.responses[output].to_numpy()
+        taken_here = comparison.best if choose is None else choose
         typed = ((name, formula(model, getattr(model, "low_fidelity", None))) for name, model in models.items())
         found[output] = OutputFit(
             comparison,
-            comparison.best if choose is None else choose,
+            taken_here,
             models,
             None if f is None else accuracy(y, evaluated(f, X.to_numpy())),
             {name: held_out(model, kept.designs, at) for name, model in models.items()} if held_out_runs else {},
             learned,
             next(((name, text) for name, text in typed if text is not None), None),
+            verdict(comparison, taken_here, surrogates, X, y, low_fidelity, output, runs.stated[output]),
         )
     asked = {
         "choose": choose,

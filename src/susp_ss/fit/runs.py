@@ -52,6 +52,8 @@ class Runs:
         What ``rows`` counts: lines, rows, or files.
     noted : str
         What was guessed of the file, in one line; nothing where nothing was.
+    others : tuple of str
+        Columns of the file that were not asked for.
     """
 
     designs: pd.DataFrame
@@ -64,6 +66,7 @@ class Runs:
     read: tuple[str, dict[str, Any]]
     row_word: str = "line"
     noted: str = ""
+    others: tuple[str, ...] = ()
 
     def place(self, run: int, name: str) -> str:
         """Say where the number of a run, 0 to n - 1, stands: ``runs.csv, line 7, column 'K_S'``."""
@@ -156,7 +159,8 @@ def read_runs(
     read |= {} if sheet is None else {"sheet": sheet}
     made = ("read_runs", read)
     rows, word = np.array(table.rows), row_word(path)
-    runs = Runs(frame[list(inputs)], frame[list(outputs)], rows, path, kept, columns, stated, made, word, noted)
+    frames = frame[list(inputs)], frame[list(outputs)]
+    runs = Runs(*frames, rows, path, kept, columns, stated, made, word, noted, table.others)
     check_together(runs)
     return runs
 

@@ -39,8 +39,8 @@ TITLES = 20
 class Table(NamedTuple):
     """Rows that hold something; for each name its cells, and the unit that the file states if it does.
 
-    ``noted`` is what was guessed of the file, ``headings`` what columns are called there, and ``separator`` what
-    stands between cells of text.
+    ``noted`` is what was guessed of the file, ``headings`` what columns are called there, ``others`` the columns that
+    were not asked for, and ``separator`` what stands between cells of text.
     """
 
     rows: Sequence[int]
@@ -49,6 +49,7 @@ class Table(NamedTuple):
     units_row: int | None = None
     noted: tuple[str, ...] = ()
     headings: Mapping[str, str] = {}
+    others: tuple[str, ...] = ()
     separator: str = ""
 
 
@@ -155,8 +156,10 @@ def _has_columns(header: Sequence[str], columns: Mapping[str, str]) -> bool:
     return True
 
 
-def _of_headings(found: Mapping[str, Heading]) -> dict[str, Any]:
+def _of_headings(found: Mapping[str, Heading], header: Sequence[str]) -> dict[str, Any]:
+    used = {heading.position for heading in found.values()}
     return {
+        "others": tuple(name for i, name in enumerate(header) if i not in used and name),
         "units": {name: heading.unit for name, heading in found.items() if heading.unit},
         "headings": {name: heading.name for name, heading in found.items()},
     }
@@ -176,14 +179,16 @@ def _read_text(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, str]
             raise ValueError(f"{path}, line {line}: needs {len(header)} cells as the header has, got {len(cells)}")
     noted = [] if encoding == "UTF-8" else [f"read as {encoding}"]
     noted += [] if separator == "," else [f"cells between {SEPARATORS[separator]}"]
-    return _below(path, records, found)._replace(noted=tuple(noted), separator=separator)
+    return _below(path, records, found, header)._replace(noted=tuple(noted), separator=separator)
 
 
-def _below(path: Path, records: Sequence[tuple[int, Sequence[Any]]], found: Mapping[str, Heading]) -> Table:
+def _below(
+    path: Path, records: Sequence[tuple[int, Sequence[Any]]], found: Mapping[str, Heading], header: Sequence[str]
+) -> Table:
     """The rows below a header, of which the first may hold units."""
     rows = [row for row, _ in records]
     cells = {name: [row[heading.position] for _, row in records] for name, heading in found.items()}
-    table = Table(rows, cells, **_of_headings(found))
+    table = Table(rows, cells, **_of_headings(found, header))
     stated = _stated(path, rows[0], found, {name: column[0] for name, column in cells.items()}) if rows else {}
     if not stated:
         return table
@@ -236,7 +241,7 @@ def _read_excel(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, str
     first = headers[chosen] or 0
     row, names = filled[chosen][first]
     found = find_columns(f"{path}, sheet {chosen!r}, row {row}", _texts(names), columns)
-    table = _below(path, filled[chosen][first + 1 :], found)
+    table = _below(path, filled[chosen][first + 1 :], found, _texts(names))
     return table._replace(noted=(f"sheet {chosen!r}",) if len(sheets) > 1 else ())
 
 
@@ -291,7 +296,7 @@ def _read_parquet(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, s
         cells = {name: table.column(heading.name).to_pylist() for name, heading in found.items()}
     except broken as error:
         raise _unreadable(path, "Parquet", error) from error
-    return Table(range(1, table.num_rows + 1), cells, **_of_headings(found))
+    return Table(range(1, table.num_rows + 1), cells, **_of_headings(found, file.schema_arrow.names))
 
 
 def _read_netcdf(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, str]) -> Table:
@@ -320,7 +325,7 @@ def _read_netcdf(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, st
             )
     grid = xr.broadcast(*arrays.values())
     cells = {name: array.values.reshape(-1).tolist() for name, array in zip(found, grid, strict=True)}
-    table = Table(range(1, grid[0].size + 1), cells, **_of_headings(found))
+    table = Table(range(1, grid[0].size + 1), cells, **_of_headings(found, available))
     attributes = {name: str(array.attrs.get("units", "")).strip() for name, array in arrays.items()}
     return table._replace(units=table.units | {name: unit for name, unit in attributes.items() if unit})
 
@@ -340,7 +345,8 @@ def _read_matlab(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, st
     if len(chosen) > 1:
         raise ValueError(f"{path}: several structs have these columns: {', '.join(map(repr, chosen))}")
     within = tables[chosen[0] if chosen else next(iter(structs), "")]
-    found = find_columns(str(path), list(map(str, within)), columns)
+    header = list(map(str, within))
+    found = find_columns(str(path), header, columns)
     cells: dict[str, list[Any]] = {}
     for name, heading in found.items():
         values = np.asarray(within[heading.name])
@@ -350,7 +356,7 @@ def _read_matlab(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, st
             raise ValueError(f"{place(path, heading.name)}: needs {need}, got shape {values.shape}")
         cells[name] = np.atleast_1d(values).tolist()
     rows = range(1, len(next(iter(cells.values()))) + 1)
-    return Table(rows, cells, noted=(f"struct {chosen[0]!r}",) if chosen[0] else (), **_of_headings(found))
+    return Table(rows, cells, noted=(f"struct {chosen[0]!r}",) if chosen[0] else (), **_of_headings(found, header))
 
 
 READERS: dict[str, Callable[..., Table]] = {

@@ -12,6 +12,7 @@ from ..study.feasibility import Study
 from ..study.published import CRITERIA, SURROGATES
 from ..vehicles.files import in_file, vehicle_table
 from ..vehicles.vehicle import Vehicle
+from .text.fit import judged
 from .versions import versions
 
 TITLE = "Feasibility study of surrogate model for the application of vehicle suspension system, 2021"
@@ -71,6 +72,8 @@ def fit_document(fit: Fit) -> dict[str, Any]:
         outputs[output] = {
             "unit": fit.runs.units[output],
             "taken": found.chosen,
+            "predicts": found.verdict.predicts,
+            "verdict": judged(fit, output),
             "tied": list(found.comparison.tied),
             "baseline": found.comparison.baseline,
             "ranking": ranking.where(ranking.notna(), None).to_dict("records"),

@@ -6,7 +6,7 @@ import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 import xarray as xr
@@ -23,7 +23,8 @@ REFERENCE_WAVENUMBER = 0.1
 # ISO 8608 classes by their GEOMETRIC MEAN roughness G_d(n0) in m^3; a class's upper limit is twice its mean.
 CLASSES = {name: 16e-6 * 4.0**i for i, name in enumerate("ABCDEFGH")}
 
-TRACKS = ("identical", "independent", "isotropic")
+Tracks = Literal["identical", "independent", "isotropic"]
+TRACKS: tuple[Tracks, ...] = get_args(Tracks)
 
 # In x = 2 pi n B, where the coherence of two tracks falls from one to zero; and how far, as a factor of the wavenumber,
 # a bend of a spectrum reaches.
@@ -83,7 +84,7 @@ class Road:
     speed: Any = 20.0
     waviness: Any = 2.0
     cutoff: Any = 0.0
-    tracks: Literal["identical", "independent", "isotropic"] = "identical"
+    tracks: Tracks = "identical"
     delay: bool = True
     wheels: tuple[str, ...] | None = None
     contact_length: float = 0.0

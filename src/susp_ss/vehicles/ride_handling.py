@@ -110,8 +110,8 @@ class RideHandlingCar(FullCar):
         super().__post_init__()
         if self.curved:
             raise TypeError(
-                f"{type(self).__name__} takes numbers for ks and cs, got a curve; pass those that ss.linearised finds for "
-                "a FullCar"
+                f"{type(self).__name__} takes numbers for ks and cs, got a curve; pass those that ss.linearised finds "
+                "for a FullCar"
             )
 
     per_corner = (*FullCar.per_corner, "cornering", "relaxation", "slip", "wheel_inertia")

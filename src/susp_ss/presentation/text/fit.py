@@ -18,6 +18,10 @@ JUDGED = (
 """What the errors are, and what their intervals are not."""
 
 
+# Share of the variance that a surrogate must explain not to be called poor.
+POOR = 0.5
+
+
 def fit_text(fit: Fit) -> str:
     """The ranking, the choice, what the cheap model was worth, and the formula of each output."""
     return "\n\n".join([_head(fit), *(_output(fit, output) for output in fit.outputs)]) + "\n"
@@ -63,6 +67,7 @@ def _output(fit: Fit, output: str) -> str:
     found, unit, y = fit.outputs[output], fit.runs.units[output], fit.runs.responses[output]
     lines = [
         f"{output}: {meaning(output)}, {y.min():.4g} to {y.max():.4g} {typeset(unit)}".rstrip(),
+        *map(_paragraph, judged(fit, output)),
         ranking_table(found, unit).to_string(),
         f"Taken: {found.chosen}.",
     ]
@@ -109,6 +114,44 @@ def ranking_table(found: OutputFit, unit: str) -> pd.DataFrame:
         r2, rmse, most = found.untuned
         shown.iloc[-1, [0, 1, 3, 4]] = ["yes", f"{rmse:.4g}", f"{r2:.5f}", f"{most:.3g}"]
     return shown.rename_axis(None)
+
+
+def judged(fit: Fit, output: str) -> list[str]:
+    """What is to be said first: whether anything predicts, and what may be wrong with the runs or the question."""
+    found, unit = fit.outputs[output], fit.runs.units[output]
+    verdict, r2 = found.verdict, found.comparison.table.R2[found.chosen]
+    bounds = f" (95 %: {verdict.low:.2g} to {verdict.high:.2g})" if math.isfinite(verdict.low) else ""
+    times = f"at runs left out the mean of the others errs {verdict.gain:.2g} times{bounds} as much"
+    if verdict.predicts:
+        lines = [f"{found.chosen} predicts {output}: {times}."]
+    else:
+        lines = [f"NOTHING HERE PREDICTS {output}: the best is {found.chosen}, and {times}."]
+    if r2 < POOR:
+        lines[0] += f" Of the variance {100.0 * (1.0 - r2):.0f} % is left."
+    shown = typeset(unit)
+    for run, predicted, far in verdict.suspects:
+        got = (
+            f"{fit.runs.responses[output].iloc[run]:.4g} where the other runs predict {predicted:.4g} {shown}".rstrip()
+        )
+        lines.append(f"Check {fit.runs.place(run, output)}: {got}, {far:.0f} times their usual error.")
+    if r2 < POOR and not verdict.suspects:
+        others = ", ".join(fit.runs.others)
+        among = f"of the columns that were not asked for ({others})" if others else "which the file does not hold"
+        lines.append(
+            f"Does something vary between these runs that is no input, {among}? Are car, road and place right?"
+        )
+    car = type(fit.low_fidelity.vehicle).__name__
+    if verdict.unit is not None:
+        ratio, likely = verdict.unit
+        lines.append(
+            f"{output} is {ratio:.2g} times what {car} has: is it in {typeset(likely)}? State it (--units "
+            f"{output}={likely})."
+        )
+    if verdict.elsewhere is not None:
+        setting, value, share = verdict.elsewhere
+        said = {"place": f"at {value} (--at {value})", "tracks": f"on {value} tracks (--tracks {value})"}[setting]
+        lines.append(f"{car} comes much nearer {said}: {100.0 * share:.0f} % of its error here. Was that meant?")
+    return lines
 
 
 def tie(found: OutputFit) -> list[str]:
