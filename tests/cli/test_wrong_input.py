@@ -258,6 +258,13 @@ COMMANDS = [
     ("predict surrogate.json --grid ks=12:24:0,cs=1500", "N must be >= 1"),
     ("predict surrogate.json --grid ks=12:24,cs=1500", "--grid ks must be LO:HI:N"),
     ("predict surrogate.json --at ks=18,cs=1500 --out runs.csv", "exists already; pass --force"),
+    ("export", "--out"),
+    ("export --out car.mo", "car.mo: a vehicle is exported as .fmu or .mat"),
+    ("export --out car", "car: a vehicle is exported as .fmu or .mat"),
+    ("export --out no/car.fmu", "no/car.fmu: there is no folder no"),
+    ("export --out runs.csv", "--out runs.csv exists already; pass --force"),
+    ("export --out car.fmu --ks 24", "did you mean 24 N/mm"),
+    ("export --out car.fmu --system full.toml", "full.toml: not JSON"),
 ]
 
 ENTRIES = [

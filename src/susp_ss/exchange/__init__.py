@@ -1,0 +1,5 @@
+"""Models across the border: vehicles as FMUs and MATLAB files, FMUs of other programs as runs."""
+
+from .exporting import export
+
+__all__ = ["export"]
