@@ -130,16 +130,7 @@ def _mean_squares(vehicle: RoadVehicle, road: Road, duration: float, step: float
             f"{type(vehicle).__name__} needs {(duration + forget) / step:.2g} time steps, {forget:.3g} s of them to "
             f"forget its start; the most is {MOST_STEPS:.0e}: pass a shorter duration, more damping or another method"
         )
-    z = synthesise(
-        road,
-        duration,
-        step,
-        sides=[wheel.side for wheel in vehicle.wheels.values()],
-        delays=[tau * wheel.axle for wheel in vehicle.wheels.values()],
-        track_width=float(vehicle.track_width),
-        seed=seed,
-    )
-    z *= np.any([process.now + process.later != 0.0 for process in excited], axis=0)[:, None]
+    z = heights_under(vehicle, road, duration, step, seed)
     period = z.shape[1]
     lead = int(np.ceil(forget / step))
     z = np.take(z, np.arange(-lead, period), axis=1, mode="wrap")
@@ -154,6 +145,22 @@ def _mean_squares(vehicle: RoadVehicle, road: Road, duration: float, step: float
     squares, errors = power.sum(axis=1), np.sqrt(0.5 * (power**2).sum(axis=1))
     squares[infinite_outputs(model, excited, road).reshape(-1)] = np.inf
     return squares, errors
+
+
+def heights_under(vehicle: RoadVehicle, road: Road, duration: float, step: float, seed: int) -> Array:
+    """One realisation of the heights in m under each wheel, (wheels, T): periodic, with tracks and delay."""
+    excited = processes(vehicle, road)
+    tau = float(delay(vehicle, road)) if any(process.later.any() for process in excited) else 0.0
+    z = synthesise(
+        road,
+        duration,
+        step,
+        sides=[wheel.side for wheel in vehicle.wheels.values()],
+        delays=[tau * wheel.axle for wheel in vehicle.wheels.values()],
+        track_width=float(vehicle.track_width),
+        seed=seed,
+    )
+    return z * np.any([process.now + process.later != 0.0 for process in excited], axis=0)[:, None]
 
 
 def _checked_time(time: ArrayLike) -> Array:
