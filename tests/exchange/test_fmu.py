@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import susp_ss as ss
+from susp_ss.exchange import running
 from susp_ss.exchange.exporting import BINARIES, COMPILERS
 from susp_ss.fit.histories import over_time
 from susp_ss.responses.simulation import heights_under
@@ -189,7 +191,7 @@ def test_finished_runs_are_taken_up_again(fmu, monkeypatch):
     model = ss.FMU(fmu(), {"ks": "k"}, {"bacc": "acc"})
     first = model.run({"ks": [15e3, 16e3]}, ROAD, kept="runs.json", **SHORT)
     ran = []
-    monkeypatch.setattr(model, "_outcome", lambda folder, i, *_: ran.append(i) or {"bacc": 1.0})
+    monkeypatch.setattr(running, "_outcome", lambda folder, drive, i, *_: ran.append(i) or {"bacc": 1.0})
     more = model.run({"ks": [16e3, 17e3, 15e3, 17e3]}, ROAD, kept="runs.json", **SHORT)
     assert ran == [1]
     assert more.responses.bacc.tolist() == [first.responses.bacc[1], 1.0, first.responses.bacc[0], 1.0]
@@ -212,7 +214,7 @@ def test_a_vehicle_of_four_wheels_meets_tracks_and_delay(fmu, monkeypatch, tmp_p
         ss.FMU("full.fmu", {"ks": "ks_fr"}, {"bacc": "bacc_cg"})
     outputs = {"bacc_cg": "bacc_cg", "sws_rl": "sws_rl", "dtl_fr": "dtl_fr", "roll_acc": "roll_acc"}
     model = ss.FMU("full.fmu", {"gap": "z_r_fr"}, outputs)
-    with pytest.raises(ValueError, match=r"inputs for the wheels 'fr', .* pass like="):
+    with pytest.raises(ValueError, match=r"inputs for the wheels 'fr', .* pass run"):
         model.run({"gap": [0.0]}, road)
     found = model.run({"gap": [0.0, 1.0]}, road, like=car, **SHORT).responses.iloc[0]
     z = heights_under(car, road, SHORT["duration"], SHORT["step"], 0)
@@ -226,3 +228,76 @@ def test_a_vehicle_of_four_wheels_meets_tracks_and_delay(fmu, monkeypatch, tmp_p
     }
     for name, y in truth.items():
         assert found[name] == pytest.approx(over_time(name, t, y.values, SHORT["cut"]), rel=1e-6)
+
+
+def test_what_an_fmu_does_not_have_is_said(fmu):
+    path = fmu()
+    for inputs, outputs, how, said in (
+        ({"ks": "K"}, OUTPUTS, {}, r"car\.fmu: no variable 'K'; it has 'z_r', 'k', "),
+        ({"ks": "damper.bum"}, OUTPUTS, {}, r"no variable 'damper\.bum'; did you mean 'damper\.bump'"),
+        ({"ks": "acc"}, {"dtl": "load"}, {}, "the variable 'acc' cannot be set, it is continuous output"),
+        ({"ks": "damper.bump"}, OUTPUTS, {}, r"ks is in one of N/m, .*, but 'damper\.bump' is in 'N\.s/m'"),
+        ({"ks": "k"}, OUTPUTS, {"units": {"ks": "kg"}}, r"ks is in one of N/m, .*, but 'k' is in 'kg'"),
+        ({"ks": "k"}, OUTPUTS, {"heights": {"": "k"}}, "the road needs an input, but 'k' is parameter"),
+        ({"ks": "k"}, OUTPUTS, {"heights": {"": "zr"}}, "no variable 'zr'; did you mean 'z_r'"),
+        ({"ks": "k"}, {"ks": "acc"}, {}, "ks is asked for as an input and as an output"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            ss.FMU(path, inputs, outputs, **how)
+
+
+def test_what_cannot_be_run_is_said(fmu):
+    model = ss.FMU(fmu(), {"ks": "k"}, OUTPUTS)
+    for designs, road, how, said in (
+        ({"cs": [1.0]}, ROAD, {}, "designs must have a column for each of ks, and rows; no column ks"),
+        ({"ks": []}, ROAD, {}, "and rows; no row"),
+        ({"ks": [1.0], "cs": [1.0]}, ROAD, {}, "designs have columns that are no input: cs"),
+        ({"ks": [1.0, -1.0]}, ROAD, {}, "designs, run 2: ks must be finite and > 0, got -1.0"),
+        ({"ks": ["soft"]}, ROAD, {}, "designs must be numbers in SI units"),
+        (3.0, ROAD, {}, "designs must be a table"),
+        ({"ks": [2e4]}, 20.0, {}, "road must be a Road"),
+        ({"ks": [2e4]}, ss.Road(speed=[10.0, 20.0]), {}, "a road with one speed"),
+        ({"ks": [2e4]}, ROAD, {"like": ss.FullCar()}, r"run\(like=\.\.\.\) must have the wheels of car\.fmu, '', got"),
+        ({"ks": [2e4]}, ROAD, {"duration": 0.01}, r"run\(duration=\.\.\.\) must be at least 100 steps"),
+        ({"ks": [2e4]}, ROAD, {"cut": 60.0}, r"run\(cut=\.\.\.\) must be >= 0 s and less than the duration of 60 s"),
+        ({"ks": [2e4]}, ROAD, {"step": "1 ms"}, "step must be a number in s, got '1 ms'"),
+        ({"ks": [2e4]}, ROAD, {"kept": "no/runs.json"}, "there is no folder no"),
+        ({"ks": [2e4]}, ROAD, {"processes": 0}, "processes must be a whole number >= 1"),
+    ):
+        with pytest.raises((ValueError, TypeError, OSError), match=said):
+            model.run(designs, road, **how)
+
+
+def test_files_that_are_no_fmu_for_here(fmu, monkeypatch):
+    path = fmu()
+    with zipfile.ZipFile("other.fmu", "w") as file:
+        file.writestr("modelDescription.xml", DESCRIPTIONS["co-simulation 2"])
+        file.writestr("binaries/win32/car.dll", b"")
+    with zipfile.ZipFile("old.fmu", "w") as file:
+        file.writestr("modelDescription.xml", '<fmiModelDescription fmiVersion="1.0"/>')
+    Path("text.fmu").write_text("no")
+    for name, said in (
+        ("other.fmu", "has no binary for .*, only win32; export it for this system"),
+        ("text.fmu", r"text\.fmu: no FMU: "),
+        ("old.fmu", r"old\.fmu: "),
+    ):
+        with pytest.raises(ValueError, match=said):
+            ss.FMU(name, {"ks": "k"}, OUTPUTS)
+    with pytest.raises(FileNotFoundError):
+        ss.FMU("none.fmu", {"ks": "k"}, OUTPUTS)
+    monkeypatch.setitem(sys.modules, "fmpy", None)
+    with pytest.raises(ModuleNotFoundError, match=r"car\.fmu: an FMU needs fmpy, .* run .*\[fmu\]"):
+        ss.FMU(path, {"ks": "k"}, OUTPUTS)
+
+
+def test_fit_of_an_fmu_on_the_command_line(fmu, run, missing):
+    fmu()
+    missing("smt")  # without Kriging, which takes its time
+    line = ["fit", "--fmu", "car.fmu", "--runs", 4, "--inputs", "k=ks", "--outputs", "acc=bacc"]
+    line += ["--range", "ks=16N/mm:24N/mm", "--road-class", "C", "--duration", 3, "--cut", 1]
+    code, out, err = run(*line, "--kept", "runs.json", "--json")
+    assert code == 0, err
+    assert "car.fmu: 4 of 4 runs over 3 s, root mean squares about the mean from 1 s on" in err
+    document = json.loads(out)
+    assert (document["runs"], document["inputs"]) == (4, {"ks": "N/m"})
+    assert len(json.loads(Path("runs.json").read_text())["runs"]) == 4

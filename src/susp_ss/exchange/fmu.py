@@ -7,15 +7,12 @@ by design alone, and whatever fails of one run is said of it while the others go
 from __future__ import annotations
 
 import difflib
+import functools
 import hashlib
 import json
 import os
-import subprocess
-import sys
-import tempfile
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,7 +25,6 @@ from ..extras import needing
 from ..fit.histories import over_time
 from ..fit.runs import Runs, bounded, check_asked, check_together
 from ..fit.tables import possible_units, quantity
-from ..progress import progress
 from ..quantities import briefly, whole_number
 from ..responses.excitation import check_kinds
 from ..responses.simulation import heights_under
@@ -38,10 +34,9 @@ from ..vehicles.contract import RoadVehicle
 from ..vehicles.quarter import QuarterCar
 from ..vehicles.signals import HEIGHT, RATE
 from .kept import Design, Kept
+from .running import Drive, outcomes
 
 Array = NDArray[np.float64]
-
-SCRIPT = Path(__file__).with_name("one_run.py")
 
 REAL = ("Real", "Float64")
 
@@ -149,8 +144,8 @@ class FMU:
             }
             if not asked:
                 raise ValueError(
-                    f"{self.path}: no input is named z_r or z_r_fr; say which takes the road's height, heights="
-                    f"{{'': ...}}, of {', '.join(map(repr, driven)) or 'none'}"
+                    f"{self.path}: no input is named z_r or z_r_fr; say in FMU(heights=...) which of its "
+                    f"inputs takes the road's height: {', '.join(map(repr, driven)) or 'it has none'}"
                 )
         for own in asked.values():
             if self._found(own).causality != "input":
@@ -227,8 +222,10 @@ class FMU:
         todo = [i for i in todo if not any((X[i] == X[j]).all() for j in todo if j < i)]
         failed: dict[int, str] = {}
         if todo:
-            t, u = self._road(road, like, duration, cut, step, seed)
-            for i, outcome in self._outcomes(X, todo, t, u, cut, processes, progress):
+            drive = self._drive(road, like, duration, cut, step, seed)
+            ask = {i: self._parameters(X[i]) for i in todo}
+            reduced = functools.partial(self._metrics, cut=cut)
+            for i, outcome in outcomes(self.path, drive, ask, reduced, processes, progress):
                 if isinstance(outcome, str):
                     failed[i] = outcome
                     warnings.warn(f"{self.path}, run {i + 1} ({self._said(X[i])}) failed: {outcome}", stacklevel=2)
@@ -263,13 +260,13 @@ class FMU:
         wheels = ", ".join(map(repr, self.heights))
         if like is None:
             raise ValueError(
-                f"{self.path} has inputs for the wheels {wheels}; pass like=, a vehicle with its wheelbase and track "
-                "width, such as FullCar()"
+                f"{self.path} has inputs for the wheels {wheels}; pass run(like=...), a vehicle with its wheelbase and "
+                "track width"
             )
         if isinstance(like, RoadVehicle) and set(like.wheels) != set(self.heights):
             own = ", ".join(map(repr, like.wheels))
             raise ValueError(
-                f"like must have the wheels of {self.path}, {wheels}, got {type(like).__name__} with {own}"
+                f"run(like=...) must have the wheels of {self.path}, {wheels}, got {type(like).__name__} with {own}"
             )
         return like
 
@@ -288,79 +285,27 @@ class FMU:
         of |= dict(zip(("duration", "cut", "step", "seed"), times, strict=True))
         return json.loads(json.dumps(of))
 
-    def _road(
-        self, road: Road, like: RoadVehicle, duration: float, cut: float, step: float, seed: int
-    ) -> tuple[Array, Array]:
-        """Instants and the model's inputs there, (wheels, T)."""
+    def _drive(self, road: Road, like: RoadVehicle, duration: float, cut: float, step: float, seed: int) -> Drive:
+        """The road as the model's inputs."""
         z = heights_under(like, road, duration, step, seed)
-        t = step * np.arange(z.shape[1])
+        t: Array = np.arange(z.shape[1]) * np.float64(step)
         if cut:
             # A model that starts on a flat road must not fall onto this one.
             z = z * (0.5 - 0.5 * np.cos(np.pi * np.minimum(2.0 * t / cut, 1.0)))
         order = [list(like.wheels).index(wheel) for wheel in self.heights]
-        return t, np.gradient(z[order], step, axis=1) if self._by_rate else z[order]
+        u = np.gradient(z[order], step, axis=1) if self._by_rate else z[order]
+        return Drive(t, u, tuple(self.heights.values()), tuple(variable.name for variable in self.outputs.values()))
 
-    def _outcomes(
-        self, X: Array, todo: Sequence[int], t: Array, u: Array, cut: float, processes: int, shown: bool
-    ) -> Iterator[tuple[int, dict[str, float] | str]]:
-        """Metrics of each run, or why there are none, as they come."""
-        from fmpy import extract
-
-        with tempfile.TemporaryDirectory(prefix="susp_ss-") as work, progress("running", len(todo), 0, shown) as bar:
-            folder = Path(work)
-            extract(self.path, folder / "fmu")
-            np.save(folder / "time.npy", t)
-            np.save(folder / "inputs.npy", u)
-            with ThreadPoolExecutor(processes) as pool:
-                jobs = {pool.submit(self._outcome, folder, i, X[i], float(t[1]), cut): i for i in todo}
-                try:
-                    for job in as_completed(jobs):
-                        bar.advance()
-                        yield jobs[job], job.result()
-                finally:
-                    pool.shutdown(cancel_futures=True)
-
-    def _outcome(self, folder: Path, i: int, design: Array, step: float, cut: float) -> dict[str, float] | str:
-        at = {name: str(folder / f"{name}_{i}") for name in ("job", "result", "refusal")}
-        result = Path(f"{at['result']}.npy")
-        job = {
-            "folder": str(folder / "fmu"),
-            "time": str(folder / "time.npy"),
-            "inputs": str(folder / "inputs.npy"),
-            "road": list(self.heights.values()),
-            "outputs": [variable.name for variable in self.outputs.values()],
-            "parameters": {
-                variable.name: value / variable.factor
-                for variable, value in zip(self.inputs.values(), design.tolist(), strict=True)
-            },
-            "step": step,
-            "result": str(result),
-            "refusal": at["refusal"],
+    def _metrics(self, t: Array, y: Array, cut: float) -> dict[str, float]:
+        return {
+            name: over_time(name, t, variable.factor * values, cut)
+            for (name, variable), values in zip(self.outputs.items(), y, strict=True)
         }
-        Path(at["job"]).write_text(json.dumps(job), encoding="utf-8")
-        # Without the script's folder among those that modules are sought in.
-        ran = subprocess.run(
-            [sys.executable, "-P", str(SCRIPT), at["job"]], stdin=subprocess.DEVNULL, capture_output=True, check=False
-        )
-        if not result.exists():
-            return _why(ran, Path(at["refusal"]))
-        t, *values = np.load(result)
-        result.unlink()
-        try:
-            return self._metrics(t, values, folder, cut)
-        except ValueError as error:
-            return str(error)
 
-    def _metrics(self, t: Array, values: Sequence[Array], folder: Path, cut: float) -> dict[str, float]:
-        end = float(np.load(folder / "time.npy", mmap_mode="r")[-1])
-        if t[-1] < end * (1.0 - 1e-6):
-            raise ValueError(f"it ended at {t[-1]:g} s of {end:g} s")
-        found = {}
-        for (name, variable), y in zip(self.outputs.items(), values, strict=True):
-            if not np.isfinite(y).all():
-                raise ValueError(f"{variable.name!r} is not finite from {t[np.argmin(np.isfinite(y))]:g} s on")
-            found[name] = over_time(name, t, variable.factor * y, cut)
-        return found
+    def _parameters(self, design: Array) -> dict[str, float]:
+        """What the FMU's own variables are set to."""
+        own = zip(self.inputs.values(), design.tolist(), strict=True)
+        return {variable.name: value / variable.factor for variable, value in own}
 
     def _said(self, design: Array) -> str:
         return ", ".join(
@@ -442,18 +387,8 @@ def _check_times(duration: float, cut: float, step: float) -> None:
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
             raise TypeError(f"{name} must be a number in s, got {briefly(value)}")
     if not step > 0.0 or not duration >= 100.0 * step:
-        raise ValueError(f"duration must be at least 100 steps, and step > 0 s, got {duration} s and {step} s")
+        raise ValueError(
+            f"run(duration=...) must be at least 100 steps, and the step > 0 s, got {duration} s and {step} s"
+        )
     if not 0.0 <= cut < duration:
-        raise ValueError(f"cut must be >= 0 s and less than the duration of {duration:g} s, got {cut}")
-
-
-def _why(ran: subprocess.CompletedProcess[bytes], refusal: Path) -> str:
-    """Why a run has no result, with the last word of the model."""
-    said = [line for stream in (ran.stdout, ran.stderr) for line in stream.decode(errors="replace").split("\n")]
-    last = next((line.strip()[:200] for line in reversed(said) if line.strip()), "")
-    last = f" ({last})" if last else ""
-    if refusal.exists():
-        return f"{' '.join(refusal.read_text(encoding='utf-8').split())[:300]}{last}"
-    if ran.returncode < 0:
-        return f"the model crashed, signal {-ran.returncode}{last}"
-    return f"the model ended its process with code {ran.returncode}{last}"
+        raise ValueError(f"run(cut=...) must be >= 0 s and less than the duration of {duration:g} s, got {cut}")

@@ -36,7 +36,7 @@ def simulated(job: dict[str, Any]) -> Any:
         stop_time=float(t[-1]),
         output_interval=job["step"],
         start_values=job["parameters"],
-        input=np.rec.fromarrays([t, *u], names=["time", *job["road"]]),
+        input=np.array(list(zip(t, *u, strict=True)), dtype=[(name, float) for name in ("time", *job["road"])]),
         output=job["outputs"],
         record_events=False,
     )
