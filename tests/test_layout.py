@@ -24,13 +24,21 @@ ROOMS = (
     "study",
     "fit",
     "sweep",
+    "exchange",
     "presentation",
     "cli",
     "__main__",
 )
 """From the ground up: a room imports from those before it only."""
 
-STRANGERS = ({"vehicles", "roads"}, {"vehicles", "surrogates"}, {"study", "fit"}, {"study", "sweep"}, {"fit", "sweep"})
+STRANGERS = (
+    {"vehicles", "roads"},
+    {"vehicles", "surrogates"},
+    {"study", "fit"},
+    {"study", "sweep"},
+    {"fit", "sweep"},
+    {"exchange", "presentation"},
+)
 """Rooms that know nothing of one another."""
 # What a number, an array or a DataArray of designs is, is one thing for all that a design may set.
 SHARED = "vehicles.parameters"

@@ -14,6 +14,7 @@ EXTRAS = {
     "fast": (("numba",), "compiled code where designs are very many"),
     "pages": (("plotly", "jinja2"), "report.html of a study and of a fit"),
     "excel": (("openpyxl",), "runs in Excel files"),
+    "fmu": (("fmpy",), "runs of FMUs"),
     "netcdf": (("netCDF4",), "runs in NetCDF 4 files"),
     "parquet": (("pyarrow",), "runs in Parquet files"),
     "distributed": (("dask", "distributed", "zarr"), "susp-ss sweep: grids of any size, on any number of machines"),

@@ -2,11 +2,12 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 
+from .fmu import CUT, FmuRuns, fmu_from_options
 from .folder import check_result
 from .options import Force, Json, TrustUnits, built_from, counted, names, number, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
@@ -16,18 +17,13 @@ if TYPE_CHECKING:
     from ..vehicles.vehicle import Vehicle
 
 
-@built_from(vehicle=vehicle_options("low_fidelity", "quarter", "The cheap model"), road=road_from_options)
+@built_from(
+    vehicle=vehicle_options("low_fidelity", "quarter", "The cheap model"), road=road_from_options, fmu=fmu_from_options
+)
 def run(
     vehicle: "Vehicle",
     road: "Road",
-    runs: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="RUNS...",
-            help="Table of expensive runs: .csv, .txt, .tsv, .xlsx, .parquet, .nc or .mat; with --histories one such "
-            "file a run.",
-        ),
-    ],
+    fmu: FmuRuns | None,
     inputs: Annotated[
         list[str],
         typer.Option(
@@ -46,6 +42,15 @@ def run(
             show_default=False,
         ),
     ],
+    runs: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="RUNS...",
+            help="Table of expensive runs: .csv, .txt, .tsv, .xlsx, .parquet, .nc or .mat; with --histories one such "
+            "file a run; none with --fmu.",
+            show_default=False,
+        ),
+    ] = None,
     units: Annotated[
         list[str] | None,
         typer.Option(
@@ -75,7 +80,9 @@ def run(
     cut: Annotated[
         str | None,
         typer.Option(
-            metavar="DURATION", help="Start of each history that is left out, s; 0 for none.", show_default=False
+            metavar="DURATION",
+            help="Start of each history or run of an FMU that is left out, s; 0 for none.",
+            show_default=f"{CUT} with --fmu",
         ),
     ] = None,
     designs: Annotated[
@@ -153,6 +160,7 @@ def run(
     cheap model. A line of units may follow the header.
 
     susp-ss fit runs.csv --inputs ks,cs --outputs bacc,sws,dtl --out fit
+    susp-ss fit --fmu model.fmu --runs 30 --inputs ks,cs --range ks=16N/mm:24N/mm,cs=1000:2000 --outputs bacc
     """
     if out is not None:
         from ..fit import Fit
@@ -160,23 +168,18 @@ def run(
         check_result(out, Fit, force)
     columns = _named("--inputs", inputs), _named("--outputs", outputs)
     stated = _pairs("--units", units or [])
-    of_histories = {"--cut": cut, "--designs": designs, "--weighting": weighting}
-    stray = next((option for option, value in of_histories.items() if value is not None), None)
-    if stray and not histories:
-        raise Refusal(f"{stray} is for --histories")
-    if histories and cut is None:
-        raise Refusal("--histories needs --cut, the start of each run that is left out, in s; 0 for none")
-    if len(runs) > 1 and not histories:
-        raise Refusal(f"RUNS is one table, got {len(runs)} files; pass --histories where each is a run over time")
-    if histories and sheet is not None:
-        raise Refusal("--sheet is for one table of runs")
-    start = number("--cut", cut or "0")
+    of_histories = {"--designs": designs, "--weighting": weighting}
+    of_tables = {"--sheet": sheet, "--decimal": decimal}
+    _check_source(runs or [], fmu, histories, cut, of_histories, of_tables)
+    start = number("--cut", cut or (CUT if fmu else "0"))
     with refusals():
         from ..fit import LowFidelity, fit_runs, read_histories, read_runs
 
-        if histories:
+        if fmu:
+            table = fmu.run(*columns, stated, road, start, trust_units, seed)
+        elif histories:
             table = read_histories(
-                runs,
+                runs or [],
                 *columns,
                 start,
                 designs=designs,
@@ -187,7 +190,8 @@ def run(
                 progress=True,
             )
         else:
-            table = read_runs(runs[0], *columns, stated, decimal=decimal, sheet=sheet)
+            (path,) = runs or []
+            table = read_runs(path, *columns, stated, decimal=decimal, sheet=sheet)
         fit = fit_runs(
             table,
             LowFidelity(vehicle, road, at, tune),
@@ -215,6 +219,35 @@ def run(
         from ..presentation.report import report
 
         typer.echo(report(fit), nl=False)
+
+
+def _check_source(
+    runs: list[Path],
+    fmu: FmuRuns | None,
+    histories: bool,
+    cut: str | None,
+    of_histories: dict[str, Any],
+    of_tables: dict[str, Any],
+) -> None:
+    """Refuse what does not say where the runs come from: a table, histories or an FMU."""
+    given = {option for option, value in {**of_histories, **of_tables, "--cut": cut}.items() if value is not None}
+    if fmu and (runs or histories):
+        raise Refusal(f"--fmu runs {fmu.path} in place of RUNS; pass one of them")
+    if not fmu and not runs:
+        raise Refusal("RUNS is missing: a table of expensive runs, histories, or --fmu FILE")
+    for option in of_histories:
+        if option in given and not histories:
+            raise Refusal(f"{option} is for --histories")
+    if cut is not None and not (histories or fmu):
+        raise Refusal("--cut is for --histories and --fmu")
+    if histories and cut is None:
+        raise Refusal("--histories needs --cut, the start of each run that is left out, in s; 0 for none")
+    if len(runs) > 1 and not histories:
+        raise Refusal(f"RUNS is one table, got {len(runs)} files; pass --histories where each is a run over time")
+    if "--sheet" in given and (histories or fmu):
+        raise Refusal("--sheet is for one table of runs")
+    if "--decimal" in given and fmu:
+        raise Refusal("--decimal is for tables of runs")
 
 
 def _named(option: str, given: list[str]) -> dict[str, str]:

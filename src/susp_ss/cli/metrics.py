@@ -8,9 +8,20 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from ..quantities import Quantity, typeset
+from ..quantities import typeset
 from .documents import json_number, road_document
-from .options import Json, built_from, counted, measured, names, number, print_table, road_from_options, vehicle_options
+from .options import (
+    TIME,
+    Json,
+    built_from,
+    counted,
+    measured,
+    names,
+    number,
+    print_table,
+    road_from_options,
+    vehicle_options,
+)
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -19,8 +30,6 @@ if TYPE_CHECKING:
     from ..roads.road import Road
     from ..vehicles.contract import RoadVehicle
     from ..vehicles.vehicle import Vehicle
-
-TIME = Quantity("time", "s", "time", bound="> 0")
 
 
 @built_from(vehicle=vehicle_options(), road=road_from_options)

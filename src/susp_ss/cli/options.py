@@ -188,6 +188,8 @@ def _road(metavar: str, meaning: str, default: str = "") -> Any:
     return typer.Option(metavar=metavar, help=meaning, show_default=default or False, rich_help_panel="Road")
 
 
+TIME = Quantity("time", "s", "time", bound="> 0")
+
 CONTACT = Quantity("contact_length", "m", "contact length", bound=">= 0", known=(1e-3, 1.0))
 
 
@@ -318,9 +320,9 @@ def _integer(text: str) -> int:
         raise typer.BadParameter(f"needs a whole number, got {text!r}") from None
 
 
-def counted(help: str, **shown: Any) -> Any:
+def counted(help: str, *flags: str, **shown: Any) -> Any:
     """An option whose value is a whole number."""
-    return typer.Option(metavar="N", parser=_integer, help=help, **shown)
+    return typer.Option(*flags, metavar="N", parser=_integer, help=help, **shown)
 
 
 def flag(parameter: str) -> str:
@@ -348,6 +350,14 @@ def range_parts(where: str, text: str) -> tuple[str, str, int]:
     units = [_split(where, end)[1] for end in (low, high)]
     low, high = (end + ("" if own else other) for end, own, other in zip((low, high), units, units[::-1], strict=True))
     return low, high, int(count)
+
+
+def bounds(where: str, text: str, quantity: Quantity, trust_units: bool) -> tuple[float, float]:
+    """The ends of ``LO:HI`` in SI units, or a refusal that says where."""
+    if text.count(":") != 1:
+        raise Refusal(f"{where} must be LO:HI, such as 12e3:25e3, got {text!r}")
+    low, high, _ = range_parts(where, f"{text}:2")
+    return measured(where, low, quantity, trust_units), measured(where, high, quantity, trust_units)
 
 
 def spaced(where: str, text: str, low: float, high: float, count: int) -> "NDArray[np.float64]":

@@ -7,17 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from ..quantities import PARAMETERS, Quantity
+from ..quantities import PARAMETERS
 from .folder import check_result
 from .options import (
     Force,
     Json,
     TrustUnits,
+    bounds,
     built_from,
     counted,
     flag,
-    measured,
-    range_parts,
     road_from_options,
     vehicle_options,
 )
@@ -101,7 +100,7 @@ def run(
     from ..vehicles.files import read_vehicle
 
     ranges = {
-        name: _range(flag(f"{name}_range"), text, PARAMETERS[name], trust_units)
+        name: bounds(flag(f"{name}_range"), text, PARAMETERS[name], trust_units)
         for name, text in (("ks", ks_range), ("cs", cs_range))
         if text is not None
     }
@@ -118,13 +117,6 @@ def run(
         _finish(study, out, force, figures, json.dumps(study_document(study), indent=2) + "\n")
     else:
         _finish(study, out, force, figures)
-
-
-def _range(where: str, text: str, quantity: Quantity, trust_units: bool) -> tuple[float, float]:
-    if text.count(":") != 1:
-        raise Refusal(f"{where} must be LO:HI, such as 12e3:25e3, got {text!r}")
-    low, high, _ = range_parts(where, f"{text}:2")
-    return measured(where, low, quantity, trust_units), measured(where, high, quantity, trust_units)
 
 
 def _finish(result: Any, out: Path | None, force: bool, figures: bool, text: str = "") -> None:

@@ -206,18 +206,13 @@ class _History:
 
     def reduced(self, name: str, cut: float, behind: Filter | None) -> float:
         """The metric of an output: its root mean square about its mean, or its mean where that is the metric."""
-        metric, _ = metric_and_place(name)
-        t, y = self.t, self.values[name]
-        if behind is not None and metric in ACCELERATIONS:
+        y = self.values[name]
+        if behind is not None and metric_and_place(name)[0] in ACCELERATIONS:
             y = behind.filtered((y - y.mean())[None], self._step())[0]
-        kept = t >= t[0] + cut
-        if kept.sum() < 2:
-            raise ValueError(f"{self.path}: ends at {t[-1] - t[0]:g} s, before the cut of {cut:g} s")
-        t, y = t[kept], y[kept]
-        mean = np.trapezoid(y, t) / (t[-1] - t[0])
-        if metric == "damper_power":
-            return float(mean)
-        return float(np.sqrt(np.trapezoid((y - mean) ** 2, t) / (t[-1] - t[0])))
+        try:
+            return over_time(name, self.t, y, cut)
+        except ValueError as error:
+            raise ValueError(f"{self.path}: {error}") from None
 
     def _step(self) -> float:
         steps = np.diff(self.t)
@@ -230,6 +225,32 @@ class _History:
                 f"{steps[at]:.6g} s where the mean is {step:.6g} s"
             )
         return float(step)
+
+
+def over_time(name: str, t: Array, y: Array, cut: float) -> float:
+    """The metric of an output over the rest of its history: its root mean square about its mean, or its mean.
+
+    Raises
+    ------
+    ValueError
+        The history ends before the cut.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from susp_ss.fit.histories import over_time
+    >>> t = np.linspace(0.0, 5.0, 5001)
+    >>> round(over_time("bacc", t, 9.81 + np.where(t < 1.0, 40.0, 2.0 * np.sin(2.0 * np.pi * t)), cut=1.0), 3)
+    1.414
+    """
+    kept = t >= t[0] + cut
+    if kept.sum() < 2:
+        raise ValueError(f"ends at {t[-1] - t[0]:g} s, before the cut of {cut:g} s")
+    t, y = t[kept], y[kept]
+    mean = np.trapezoid(y, t) / (t[-1] - t[0])
+    if metric_and_place(name)[0] == "damper_power":
+        return float(mean)
+    return float(np.sqrt(np.trapezoid((y - mean) ** 2, t) / (t[-1] - t[0])))
 
 
 def _read(cells: Sequence[Any], sign: Sign) -> Array:

@@ -177,11 +177,9 @@ def _moments(vehicle: Any, road: Road, duration: float, step: float, seed: int) 
     model = (vehicle.middling() if curved else vehicle).assemble()
     check_stationary(vehicle, road, model)
     excited = processes(vehicle, road)
-    delayed = any(process.delayed for process in excited)
-    taus = [float(tau) if delayed else 0.0 for tau in delays(vehicle, road)]
     eigenvalues = np.linalg.eigvals(model.A)
     step = min(step, RESOLVED / max(_fastest(vehicle.steepest() if curved else vehicle), RESOLVED / step))
-    later = [tau for tau in taus if tau > 0.0]
+    later = [tau for tau in delays_met(vehicle, road) if tau > 0.0]
     if later:
         step = later[0] / np.ceil(later[0] / step)
     fading = eigenvalues if road.weighting is None else np.concatenate([eigenvalues, road.weighting.poles])
@@ -191,16 +189,7 @@ def _moments(vehicle: Any, road: Road, duration: float, step: float, seed: int) 
             f"{type(vehicle).__name__} needs {(duration + forget) / step:.2g} time steps, {forget:.3g} s of them to "
             f"forget its start; the most is {MOST_STEPS:.0e}: pass a shorter duration, more damping or another method"
         )
-    z = synthesise(
-        road,
-        duration,
-        step,
-        sides=[wheel.side for wheel in vehicle.wheels.values()],
-        delays=[taus[wheel.axle] for wheel in vehicle.wheels.values()],
-        track_width=float(vehicle.track_width),
-        seed=seed,
-    )
-    z *= np.any([process.weights != 0.0 for process in excited], axis=(0, 1))[:, None]
+    z = heights_under(vehicle, road, duration, step, seed)
     period, lead = z.shape[1], int(np.ceil(forget / step))
     if curved:
         y, damping = _side_by_side(Stepper(vehicle, step), z, lead)
@@ -253,6 +242,27 @@ def _mean_product(x: Array, y: Array, about_mean: bool = False) -> tuple[Array, 
     power[:, 0] *= 0.0 if about_mean else 0.5
     power[:, -1] *= 0.5
     return power.sum(axis=1), np.sqrt(0.5 * (power**2).sum(axis=1))
+
+
+def heights_under(vehicle: RoadVehicle, road: Road, duration: float, step: float, seed: int) -> Array:
+    """One realisation of the heights in m under each wheel, (wheels, T): periodic, with tracks and delay."""
+    excited, taus = processes(vehicle, road), delays_met(vehicle, road)
+    z = synthesise(
+        road,
+        duration,
+        step,
+        sides=[wheel.side for wheel in vehicle.wheels.values()],
+        delays=[taus[wheel.axle] for wheel in vehicle.wheels.values()],
+        track_width=float(vehicle.track_width),
+        seed=seed,
+    )
+    return z * np.any([process.weights != 0.0 for process in excited], axis=(0, 1))[:, None]
+
+
+def delays_met(vehicle: RoadVehicle, road: Road) -> list[float]:
+    """Delay in s of every axle of one design, none where no process is met by one axle after another."""
+    delayed = any(process.delayed for process in processes(vehicle, road))
+    return [float(tau) if delayed else 0.0 for tau in delays(vehicle, road)]
 
 
 def _checked_time(time: ArrayLike) -> Array:
