@@ -82,6 +82,11 @@ class LowFidelityResponse:
     ):
         self.vehicle, self.road, self.criterion, self.place = vehicle, road, criterion, place
         self.columns, self.parameter = tuple(columns), parameter
+        if len(vehicle.axles) > 2:
+            raise ValueError(
+                f"a cheap model stands for the corners of a car, and a {type(vehicle).__name__} has more axles; pass "
+                "one with at most two"
+            )
         shares = _shares(vehicle, place, self.columns)
         if not shares:
             raise ValueError(

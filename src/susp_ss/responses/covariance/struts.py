@@ -277,28 +277,26 @@ def excited(
         nowhere = np.empty((0, 0, 0))
         return np.asarray(kernels.together(linked, weights[side : side + 1], B, (even, none, none), nowhere, 0))
 
-    if len(axles) == 1:
-        out = alone(0)
-    else:
+    # Pairs of axles hold each alone, among more than two too often.
+    out: Any = alone(0) if len(axles) == 1 else 0.0
+    if len(axles) > 2:
+        out = (2 - len(axles)) * sum(map(alone, range(len(axles))))
+    if len(axles) > 1:
         # The exponentials that colours leave in R cross the delay by themselves, without value and slope at 0.
         free, gone, count = np.zeros((2 * n + 2, N)), none, 2 * n + 2
         free[::2] = even
-        g, h = none, none
-        if len(real) or len(swinging):
+        coloured = bool(len(real) or len(swinging))
+        if coloured:
             g = polynomials.fading(road.real, real_both, True)
             h = polynomials.fading(road.swinging, swinging_both, True)
             free -= polynomials.decaying(g, real, 2, count) + polynomials.decaying(h, swinging, 2, count).real
         free[-1] = -polynomials.applied(D[:-1], free[n + 1 : -1])
-        # Pairs of axles hold each alone, among more than two too often.
-        out = np.zeros((B * B + 3 * weights.shape[-1], N))
-        if len(axles) > 2:
-            out += (2 - len(axles)) * np.sum([alone(side) for side in range(len(axles))], axis=0)
-        for sides in combinations(range(len(axles)), 2):
-            tau, step, steps = moves[axles[sides[0]], axles[sides[1]]]
-            if len(real) or len(swinging):
+        for i, j in combinations(range(len(axles)), 2):
+            tau, step, steps = moves[axles[i], axles[j]]
+            if coloured:
                 gone = polynomials.faded(g, real * tau, real, True, count)
                 gone += polynomials.faded(h, swinging * tau, swinging, True, count).real
-            out += kernels.together(linked, weights[list(sides)], B, (even, free, gone), step, steps)
+            out = out + kernels.together(linked, weights[[i, j]], B, (even, free, gone), step, steps)
     at_rest = linked.signals[:, B : -len(linked.signals), 0]
 
     def warped(weights: Array) -> Array:
