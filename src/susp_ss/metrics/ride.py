@@ -34,7 +34,8 @@ def ride_metrics(
     vehicle : Vehicle
         Any of the models, or a `LinearVehicle`. Parameters that are arrays make a sweep, whose dims come first in
         the result. If one is a DataArray of Dask blocks, so is the result: each block's values are checked when it is
-        computed.
+        computed. A `DamperCurve` or `SpringCurve` is taken as it is by ``"time"``, and by its Gaussian equivalent by
+        the other methods (`susp_ss.linearised`, which says how close that is).
     road : Road
         What the wheels run over; its speed, roughness and cut-off may be arrays as well.
     method : {"covariance", "spectral", "time"}
@@ -65,7 +66,8 @@ def ride_metrics(
         ``bacc`` (m/s^2) on point (cg, above each corner, and the ``points``), ``sws`` (m), ``dtl`` (N), the mean
         ``damper_power`` (W), ``tyre_deflection`` (m) and ``sws_rate`` (m/s) on corner, ``pitch_acc`` and ``roll_acc``
         (rad/s^2) where the vehicle has them, ``seat_travel`` (m) on seat; a quarter car has no point or corner.
-        ``"time"`` adds ``<name>_stderr``. A variance that white road velocity makes infinite (tyre load with tyre
+        ``"time"`` adds ``<name>_stderr``. With curves, ``ride_height_shift`` (m) on corner is the mean deflection, bump
+        positive, about which the others are. A variance that white road velocity makes infinite (tyre load with tyre
         damping; acceleration, tyre load and damper power on a rigid tyre) is `inf`.
 
     Raises

@@ -48,7 +48,8 @@ def simulate(
     Parameters
     ----------
     vehicle : Vehicle
-        One number for every parameter.
+        One number for every parameter, or a curve: that is taken as it is, by steps of fourth order (third at a kink)
+        that resolve the stiffest spring's fastest swing; deflections keep four digits where stops are hit.
     profile : array_like, (wheels, T), or mapping of wheel to (T,)
         Road heights in m under each wheel, in the order of ``vehicle.wheels``; (T,) for a quarter car, or
         one row for all wheels at once.

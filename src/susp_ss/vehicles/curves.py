@@ -299,7 +299,7 @@ class DamperCurve(Curve):
         >>> damper.rate, damper.force([-1.0, 1.0]).tolist()
         (1600.0, [-2400.0, 800.0])
         """
-        said = f"DamperCurve.two_slopes(bump={briefly(bump)}, rebound={briefly(rebound)})"
+        said = _call(f"{cls.__name__}.two_slopes", bump=bump, rebound=rebound)
         bump, rebound = (_parameter(x, f"{cls.__name__}.two_slopes({n}=...)", CS) for n, x in _named(bump, rebound))
         return cls.of(Broken((0.0,), (rebound, bump)), said)
 
@@ -328,7 +328,7 @@ class DamperCurve(Curve):
         [10.0, 400.0]
         """
         where = f"{cls.__name__}.digressive"
-        said = f"{where}(bump={bump!r}, rebound={rebound!r}, knee={knee!r}, final={final!r})"
+        said = _call(where, bump=bump, rebound=rebound, knee=knee, final=final)
         bump, rebound = (_parameter(x, f"{where}({n}=...)", CS) for n, x in _named(bump, rebound))
         knee = _parameter(knee, f"{where}(knee=...)", Quantity("knee", "m/s", "", bound="> 0"))
         final = _parameter(final, f"{where}(final=...)", Quantity("final", "", "", bound=">= 0"))
@@ -427,7 +427,7 @@ class SpringCurve(Curve):
         [900.0, 4260.0]
         """
         where = f"{cls.__name__}.with_stops"
-        said = f"{where}(ks={ks!r}, stop={stop!r}, bump={bump!r}, rebound={rebound!r})"
+        said = _call(where, ks=ks, stop=stop, bump=bump, rebound=rebound)
         ks, stop = (_parameter(x, f"{where}({n}=...)", PARAMETERS["ks"]) for n, x in (("ks", ks), ("stop", stop)))
         clear = Quantity("clearance", "m", "", bound="> 0")
         bump, rebound = (_parameter(x, f"{where}({n}=...)", clear) for n, x in _named(bump, rebound))
@@ -497,6 +497,10 @@ def check_place(curve: Curve, where: str, field: str) -> Curve:
         takes = {"cs": "a number or a DamperCurve", "ks": "a number or a SpringCurve"}.get(field, "a number")
         raise TypeError(f"{where} takes {takes}, got {briefly(curve)}")
     return curve
+
+
+def _call(name: str, **given: Any) -> str:
+    return f"{name}({', '.join(f'{key}={briefly(value)}' for key, value in given.items())})"
 
 
 def _named(bump: Any, rebound: Any) -> list[tuple[str, Any]]:
