@@ -52,7 +52,7 @@ def run(
         str | None,
         typer.Option(
             metavar="LO:HI:N",
-            help="Speeds of the table, in m/s; also 20:140:7km/h.",
+            help="Speeds of the table, in m/s; also 20km/h:140km/h:7.",
             show_default="10:40:7, up to the critical speed",
         ),
     ] = None,
