@@ -48,7 +48,7 @@ def test_it_writes_its_table_and_figure(run, here):
     assert "deg/g" in out
     with open(here / "deep/folder/handling.csv", newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
-    assert header[:3] == ["speed (m/s)", "yaw rate gain (1/s)", "ay gain (m/s^2/rad)"]
+    assert header[:3] == ["speed (m/s)", "yaw rate (1/s)", "ay (m/s^2/rad)"]
     assert [float(row[0]) for row in rows] == np.linspace(10.0, 40.0, 7).tolist()
     np.testing.assert_allclose(float(rows[2][1]), CAR.steady_state(speed=20.0, delta_f=1.0).yaw_rate)
     assert (here / "deep/folder/handling.png").read_bytes().startswith(b"\x89PNG")

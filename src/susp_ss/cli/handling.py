@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from ..quantities import ROAD, Quantity
+from ..quantities import ROAD, Quantity, typeset
 from .documents import json_number
 from .folder import check_folder, write_together
 from .options import Force, Json, TrustUnits, built_from, measured, nodes, print_table, vehicle_options
@@ -26,11 +26,11 @@ BEGIN, END, STEP = 0.5, 4.0, 2e-3
 """When the step is, when the history ends, and its step, in s."""
 
 GAINS = {
-    "yaw_rate": ("yaw rate gain", "1/s"),
-    "ay": ("ay gain", "m/s^2/rad"),
-    "sideslip": ("sideslip gain", "rad/rad"),
-    "roll": ("roll gain", "rad/rad"),
-    "load_transfer_ratio": ("load transfer ratio gain", "1/rad"),
+    "yaw_rate": ("yaw rate", "1/s"),
+    "ay": ("ay", "m/s^2/rad"),
+    "sideslip": ("sideslip", "rad/rad"),
+    "roll": ("roll", "rad/rad"),
+    "load_transfer_ratio": ("load transfer ratio", "1/rad"),
 }
 """What a car settles at per angle of its front wheels."""
 
@@ -52,7 +52,7 @@ def run(
         str | None,
         typer.Option(
             metavar="LO:HI:N",
-            help="Speeds of the table, in m/s; also 20:140:7km/h.",
+            help="Speeds of the table, in m/s; also 20km/h:140km/h:7.",
             show_default="10:40:7, up to the critical speed",
         ),
     ] = None,
@@ -181,9 +181,10 @@ def _print(
     angle: float,
     seen: dict[str, float],
 ) -> None:
-    table = Table("speed (m/s)", "(km/h)", *(f"{word} ({unit})" if unit else word for word, unit in GAINS.values()))
-    for column in table.columns:
-        column.justify = "right"
+    table = Table()
+    # Two lines a heading, so that the table fits a page.
+    for heading, unit in (("speed", "m/s"), ("", "km/h"), *GAINS.values()):
+        table.add_column(f"{heading}\n({typeset(unit)})", justify="right")
     for i, at in enumerate(by_speed.speed.values):
         table.add_row(f"{at:.4g}", f"{3.6 * at:.4g}", *(f"{float(by_speed[name][i]):.4g}" for name in GAINS))
     typer.echo(f"{type(car).__name__}: steady turns, per angle of the front wheels")

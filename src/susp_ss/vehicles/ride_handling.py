@@ -21,6 +21,7 @@ from .full import FullCar
 from .handling_assembly import Velocities, assembled
 from .handling_model import CONTROLS, HandlingModel, handling_modes
 from .linkage import Linkage, Output, coordinates
+from .parameters import checked
 from .seats import Seat
 from .second_order import Layout
 from .systems import control_system
@@ -209,7 +210,7 @@ class RideHandlingCar(FullCar):
     def moving(self, speed: Any) -> Self:
         """The same car at another speed, in m/s."""
         moved = self.mapped(lambda x: x)
-        object.__setattr__(moved, "speed", speed)
+        object.__setattr__(moved, "speed", checked(speed, f"{type(self).__name__}(speed=...)", ROAD["speed"]))
         return moved
 
     def assemble(self) -> HandlingModel:
@@ -462,7 +463,7 @@ class RideHandlingCar(FullCar):
         return xr.Dataset({name: space.unflatten(values[:, i]) for i, name in enumerate(table.names[table.public])})
 
     def _at(self, speed: Any) -> Self:
-        return self if speed is None else dataclasses.replace(self, speed=speed)
+        return self if speed is None else self.moving(speed)
 
 
 def _speed(wheelbase: Any, gradient: Any) -> Any:
