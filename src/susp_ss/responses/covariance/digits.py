@@ -26,19 +26,15 @@ def turns(struts: Array, compliance: Array, tau: Array) -> Array:
 
     Struts are (S, 5, N) of ``mu, ks, cs, kt, ct``, the body's compliance (S, S, N).
     """
-    mu, ks, cs, kt, ct = np.moveaxis(struts, 1, 0)
-
-    def bound(spring: Array, tyre: Array, unit: float) -> Array:
-        """Largest row sum of the springs' matrix over the masses, the body's coordinates in this unit."""
-        at_body = np.einsum("ijn,jn->in", np.abs(compliance), (1.0 + 1.0 / unit) * spring)
-        return np.maximum(at_body.max(axis=0), (((1.0 + unit) * spring + tyre) / mu).max(axis=0))
-
-    def fastest(unit: float) -> Array:
-        half = 0.5 * bound(cs, ct, unit)
-        return half + np.sqrt(half**2 + bound(ks, kt, unit))
-
-    # Any unit bounds the roots; a small one does so tightly where the wheels are faster than the body.
-    return np.minimum(fastest(1.0), fastest(0.25)) * tau
+    springs, tyres = struts[:, 1:3], struts[:, 3:5]
+    # The largest row sums of the stiffness and of the damping matrix over the masses bound what is fastest, whatever the
+    # unit of the body's coordinates; a small one does so tightly where the wheels are faster than the body.
+    unit = np.array([1.0, 0.25])[:, None, None]
+    at_body = np.einsum("ijn,jkn->ikn", np.abs(compliance), springs).max(axis=0)
+    at_wheels = (((1.0 + unit[..., None]) * springs + tyres) / struts[:, :1]).max(axis=1)
+    stiffness, damping = np.maximum((1.0 + 1.0 / unit) * at_body, at_wheels).swapaxes(0, 1)
+    fastest = 0.5 * damping + np.sqrt(0.25 * damping**2 + stiffness)
+    return np.asarray(fastest.min(axis=0) * tau)
 
 
 def walk(turns: float, reach: float) -> tuple[int, int]:

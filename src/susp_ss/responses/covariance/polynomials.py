@@ -187,10 +187,11 @@ def decaying(g: Array, alphas: Array, first: int, count: int) -> Array:
     out = np.zeros((count, g.shape[1]), dtype=g.dtype)
     if len(g) == 0:
         return out
-    term = g * (-alphas) ** first
+    rates = -alphas
+    term = g * rates**first
     for k in range(first, count):
-        out[k] = term.sum(axis=0)
-        term = -alphas * term
+        term.sum(axis=0, out=out[k])
+        term *= rates
     return out
 
 

@@ -43,7 +43,10 @@ LOST, SOUND = 1e-6, 1e-12
 
 # Designs of one block: its polynomials then stay near the processor. Compiled code keeps them there by itself.
 BLOCK, LONG_BLOCK = 2048, 8192
-STRUTS_BLOCK, LONG_STRUTS_BLOCK = 1000, 2000
+STRUTS_BLOCK, LONG_STRUTS_BLOCK = 512, 512
+
+# Numbers that a block works on at most, far below what the C library takes for an array too large to be kept.
+KEPT = 4_000_000
 
 # Symmetric designs, and other struts on a body, from which loading the compiler (a second; at first use on a machine
 # ten to thirty) is repaid.
@@ -78,6 +81,9 @@ def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Arra
     whole, left = None if halves else flat.whole(), np.ones(size, dtype=bool)
     if not halves and whole is None:
         return left
+    # What a block frees, the next one needs: the C library keeps it once it has seen so large an array freed. Otherwise
+    # it is handed back and zeroed anew page by page, which takes a third of all the time.
+    np.empty(KEPT)
     plenty, block, long = (PLENTY, BLOCK, LONG_BLOCK) if halves else (MANY, STRUTS_BLOCK, LONG_STRUTS_BLOCK)
     compiled = designs >= plenty and compiler_found()
     kernels: Any = polynomials if halves else struts

@@ -72,15 +72,20 @@ def expansions(S: int) -> tuple[NDArray[np.int_], ...]:
     return tuple(tables)
 
 
+def windows(p: Array, width: int) -> Array:
+    """``p[i + j]`` for every i and for j below the width, of rows (..., length, N): a view (..., i, j, N)."""
+    *before, row, column = p.strides
+    shape = (*p.shape[:-2], p.shape[-2] - width + 1, width, p.shape[-1])
+    return np.lib.stride_tricks.as_strided(p, shape, (*before, row, row, column), writeable=False)
+
+
 def expanded(row: Array, minors: Array, table: NDArray[np.int_], zeros: int) -> Array:
     """Minors of one more row (S, 5, N) on top, along it, without their lowest coefficients that are zero."""
-    out = np.zeros((len(table), minors.shape[1] + 4, row.shape[2]))
-    for t in range(table.shape[1]):
-        column, below, sign = table[:, t].T
-        factor, minor = row[column] * sign[:, None, None], minors[below]
-        for i in range(5):
-            out[:, i : i + minors.shape[1]] += factor[:, i, None] * minor
-    return out[:, zeros:]
+    column, below, sign = np.moveaxis(table, -1, 0)
+    factors = sign[:, :, None, None] * row[column, ::-1]
+    padded = np.zeros((len(minors), minors.shape[1] + 8 - zeros, minors.shape[2]))
+    padded[:, 4 - zeros : -4] = minors
+    return np.asarray(np.einsum("ctin,ctkin->ckn", factors, windows(padded[below], 5)))
 
 
 def matrix(chassis: Chassis) -> Array:
@@ -95,8 +100,8 @@ def matrix(chassis: Chassis) -> Array:
             kappa[one, one, 0] += bar
             kappa[one, other, 0] -= bar
     E = np.concatenate([tyres, mu], axis=1)
-    compliance = (chassis.mobility[:, None, None] * arms[:, :, None] * arms[:, None]).sum(axis=0)
-    accelerations = (compliance[:, :, None, None] * kappa[None]).sum(axis=1)
+    compliance = np.einsum("bin,bjn->ijn", chassis.mobility[:, None] * arms, arms)
+    accelerations = np.einsum("imn,mjkn->ijkn", compliance, kappa)
     out = np.zeros((S, S, 5, N))
     out[:, :, 2:4] = kappa
     for k in range(3):
@@ -139,30 +144,30 @@ def stirred(chassis: Chassis, adjugate: Array) -> Array:
     """
     S, B = len(chassis.struts), len(chassis.mobility)
     m, k, c, kt, ct = (chassis.struts[:, i, None] for i in range(5))
-    out = np.zeros((S, B + 2 * S, *adjugate.shape[2:]))
+    out = np.empty((S, B + 2 * S, *adjugate.shape[2:]))
     force = k * adjugate
     force[:, :, 1:] += c * adjugate[:, :, :-1]
     for (one, other), bar in zip(chassis.pairs, chassis.bars, strict=True):
         across = bar * (adjugate[:, one] - adjugate[:, other])
         force[:, one] += across
         force[:, other] -= across
+    body, deflections, tyres = out[:, :B], out[:, B : B + S], out[:, B + S :].swapaxes(0, 1)
+    np.einsum("bin,jikn->jbkn", chassis.mobility[:, None] * chassis.arms, force, out=body)
     # The wheel accelerates with the body point above it, and along the deflection.
-    tyres = np.zeros_like(adjugate)
-    tyres[:, :, 2:] = adjugate[:, :, :-2]
-    out[:, B : B + S] = adjugate
-    for b in range(B):
-        for i in range(S):
-            out[:, b] += (chassis.mobility[b] * chassis.arms[b, i]) * force[:, i]
-        tyres += chassis.arms[b][:, None] * out[:, b, None]
-    out[:, B + S :] = (force + m * tyres).swapaxes(0, 1)
+    np.einsum("bin,jbkn->jikn", chassis.arms, body, out=tyres)
+    tyres[:, :, 2:] += adjugate[:, :, :-2]
+    tyres *= m
+    tyres += force
+    deflections[:] = adjugate
     rest = out[:, : B + S]
-    rest[:, :, 1:] = kt[:, None] * rest[:, :, 1:] + ct[:, None] * rest[:, :, :-1]
-    rest[:, :, 0] *= kt
+    damped = ct[:, None] * rest[:, :, :-1]
+    rest *= kt[:, None]
+    rest[:, :, 1:] += damped
     return out
 
 
 def signals(linked: Linked, weights: Array) -> Array:
-    """Those of `stirred` where the road under each strut moves at ``weights`` (S,) times u, (B + 2 S, n + 1, N)."""
+    """Those of `stirred` where the road under the struts moves at ``weights`` (sides, S) times u, a side the first axis."""
     return np.asarray(np.tensordot(weights, linked.signals, axes=1))
 
 
@@ -195,27 +200,17 @@ def moved(D: Array, tau: Array, squarings: int, kernels: Any) -> Array:
     return np.asarray(kernels.squared(short, D, squarings))
 
 
-def hankel(derivatives: Array, rows: int, columns: int) -> Array:
-    """``E[X^(i)(t) X^(j)(0)]`` from the derivatives of R at t, (N, rows, columns)."""
-    windows = np.lib.stride_tricks.sliding_window_view(np.ascontiguousarray(derivatives.T), columns, axis=1)
-    return np.asarray(windows[:, :rows] * (-1.0) ** np.arange(columns))
-
-
-def by_design(rows: Array) -> Array:
-    """The last axis, over designs, in front."""
-    return np.ascontiguousarray(np.moveaxis(rows, 2, 0))
-
-
 def products(rows: Array, V: Array, B: int, S: int) -> Array:
-    """Second moments (N, B^2 + 3 S) of signals (N, B + 2 S, n + 1) with others of covariances V with X's derivatives.
+    """Second moments (B^2 + 3 S, N) of signals (sides, B + 2 S, n + 1, N) with others, summed over the sides.
 
-    V is (N, B + 2 S, n + 2). Each of the body's coordinates with each, then each deflection, tyre and rate with itself.
+    V (sides, B + 2 S, n + 2, N) are the others' covariances with X's derivatives. Each of the body's coordinates comes
+    with each, then each deflection, tyre and rate with itself.
     """
     n, d = rows.shape[2], slice(B, B + S)
-    body = rows[:, :B] @ V[:, :B, :n].mT
-    each = (rows[:, B:] * V[:, B:, :n]).sum(axis=-1)
-    rates = -(rows[:, d, :-1] * V[:, d, 2:]).sum(axis=-1)
-    return np.concatenate([body.reshape(len(rows), B * B), each, rates], axis=1)
+    body = np.einsum("wikn,wjkn->ijn", rows[:, :B], V[:, :B, :n])
+    each = np.einsum("wikn,wikn->in", rows[:, B:], V[:, B:, :n])
+    rates = -np.einsum("wikn,wikn->in", rows[:, d, :-1], V[:, d, 2:])
+    return np.concatenate([body.reshape(B * B, -1), each, rates])
 
 
 def together(
@@ -226,25 +221,32 @@ def together(
     step: Array,
     steps: int,
 ) -> Array:
-    """Second moments (B^2 + 3 S, N) of `signals` of two ``weights`` (2, S), the second of which come a delay later.
+    """Second moments (B^2 + 3 S, N) of `signals` of ``weights`` (1 or 2, S), the second of which come a delay later.
 
-    R has the first of ``derivatives`` at 0. Over the delay it is a function of the second at 0, carried by so many
-    steps (none without a delay), and of the third after it.
+    R has the even ones of ``derivatives`` at 0. Over the delay it is a function of the second at 0, carried by so many
+    steps, and of the third after it, where there is one.
     """
-    moments, free, gone = derivatives
+    even, free, gone = derivatives
     S, n = len(linked.signals), len(linked.D)
-    Z, H = by_design(signals(linked, weights[0])), hankel(moments, n + 1, n).mT
-    out = products(Z, Z @ H, B, S)
-    if steps > 0:
-        Y, move = by_design(signals(linked, weights[1])), by_design(step).mT
-        V = Y @ hankel(free, n + 1, n).mT
+    rows = signals(linked, weights)
+    # E[X^(i)(t) X^(j)(0)] = (-1)^j R^(i + j)(t): at 0 even derivatives see even ones alone, and odd ones odd ones.
+    mirrored, V = rows.copy(), np.empty((*rows.shape[:2], n + 1, rows.shape[3]))
+    mirrored[:, :, 1::2] *= -1.0
+    for odd in (0, 1):
+        by = windows(even[odd:], (n + 1) // 2 - odd)
+        np.einsum("wrjn,ijn->wrin", mirrored[:, :, odd::2], by, out=V[:, :, odd::2])
+    out = products(rows, V, B, S)
+    if len(weights) > 1:
+        late = np.einsum("rjn,ijn->rin", mirrored[1], windows(free, n))
         for _ in range(steps):
-            V = V @ move
-        across = products(Z, V + Y @ hankel(gone, n + 1, n).mT, B, S)
-        out += products(Y, Y @ H, B, S) + across
-        out[:, B * B :] += across[:, B * B :]
-        out[:, : B * B] += across[:, : B * B].reshape(-1, B, B).mT.reshape(-1, B * B)
-    return out.T
+            late = np.einsum("kin,rin->rkn", step, late)
+        if len(gone):
+            late += np.einsum("rjn,ijn->rin", mirrored[1], windows(gone, n))
+        across = products(rows[:1], late[None], B, S)
+        out += across
+        out[B * B :] += across[B * B :]
+        out[: B * B] += across[: B * B].reshape(B, B, -1).swapaxes(0, 1).reshape(B * B, -1)
+    return out
 
 
 def excited(
@@ -268,20 +270,21 @@ def excited(
     real, real_both = polynomials.apart(D, road.real.alphas)
     swinging, swinging_both = polynomials.apart(D, road.swinging.alphas)
     road = Track(road.level, road.real._replace(alphas=real), road.swinging._replace(alphas=swinging))
-    moments = np.zeros((2 * n + 2, N))
-    moments[2:-1:2] = -kernels.start(D, road)
-    derivatives = moments, none, none
+    even = np.zeros((n + 1, N))
+    even[1:] = -kernels.start(D, road)
+    derivatives, sides = (even, none, none), weights[:1]
     if weights[1].any():
         # The exponentials that colours leave in R cross the delay by themselves, without value and slope at 0.
-        g, count = polynomials.fading(road.real, real_both, True), 2 * n + 2
-        h = polynomials.fading(road.swinging, swinging_both, True)
-        free = moments - polynomials.decaying(g, real, 2, count) - polynomials.decaying(h, swinging, 2, count).real
+        free, gone, count, sides = np.zeros((2 * n + 2, N)), none, 2 * n + 2, weights
+        free[::2] = even
+        if len(real) or len(swinging):
+            g = polynomials.fading(road.real, real_both, True)
+            h = polynomials.fading(road.swinging, swinging_both, True)
+            free -= polynomials.decaying(g, real, 2, count) + polynomials.decaying(h, swinging, 2, count).real
+            gone = polynomials.faded(g, real * tau, real, True, count)
+            gone += polynomials.faded(h, swinging * tau, swinging, True, count).real
         free[-1] = -polynomials.applied(D[:-1], free[n + 1 : -1])
-        gone = polynomials.faded(g, real * tau, real, True, count)
-        gone += polynomials.faded(h, swinging * tau, swinging, True, count).real
-        derivatives = moments, free, gone
-    else:
-        steps = 0
+        derivatives = even, free, gone
     at_rest = linked.signals[:, B : -len(linked.signals), 0]
 
     def warped(weights: Array) -> Array:
@@ -289,5 +292,5 @@ def excited(
 
     warp = warped(weights.sum(axis=0)) + steep * warped(weights[0])
     size = np.einsum("jin,j->n", np.abs(at_rest), np.abs(weights).sum(axis=0))
-    out = kernels.together(linked, weights, B, derivatives, step, steps)
+    out = kernels.together(linked, sides, B, derivatives, step, steps)
     return np.where(warp > BALANCED * size, np.nan, out)

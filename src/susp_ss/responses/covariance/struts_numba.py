@@ -14,8 +14,8 @@ from .polynomials import Colours
 from .polynomials_numba import OPTIONS
 from .struts import Linked, expansions
 
-# Designs whose polynomials stay in the first caches.
-WIDTH = 32
+# Designs at a time: as few as make loops over them run as vectors, so that their polynomials stay in the caches.
+WIDTH = 64
 
 
 def linked(chassis):
@@ -194,81 +194,110 @@ def together(linked, weights, B, derivatives, step, steps):
 
 
 @compiled(**OPTIONS)
-def by_products(signals, weights, B, moments, free, gone, step, steps):
-    """`struts.together`, a design at a time in products of small matrices."""
-    S, count, length, designs = signals.shape
-    size = length + 1
-    Z, Y = np.empty((WIDTH, count, length)), np.empty((WIDTH, count, length))
-    H, move, V, W = np.empty((length, size)), np.empty((size, size)), np.empty((count, size)), np.empty((count, size))
-    out = np.zeros((B * B + 3 * S, designs))
+def by_products(signals, weights, B, even, free, gone, step, steps):
+    """`struts.together`, some designs at a time."""
+    S, count, n, designs = signals.shape
+    rows, R = np.empty((2, count, n, WIDTH)), np.ones((2 * n, WIDTH))
+    V, W, move = np.empty((count, n + 1, WIDTH)), np.empty((count, n + 1, WIDTH)), np.ones((n + 1, n + 1, WIDTH))
+    own, across = np.empty((B * B + 3 * S, WIDTH)), np.empty((B * B + 3 * S, WIDTH))
+    out = np.empty((B * B + 3 * S, designs))
     for first in range(0, designs, WIDTH):
         here = min(WIDTH, designs - first)
-        weighted(signals, weights[0], first, here, Z)
-        if steps > 0:
-            weighted(signals, weights[1], first, here, Y)
-        for N in range(here):
-            sums = out[:, first + N]
-            hankel(moments, first + N, H)
-            np.dot(Z[N], H, V)
-            products(Z[N], V, B, S, 1.0, sums)
-            if steps > 0:
-                np.dot(Y[N], H, V)
-                products(Y[N], V, B, S, 1.0, sums)
-                hankel(free, first + N, H)
-                np.dot(Y[N], H, V)
-                for i in range(size):
-                    for j in range(size):
-                        move[j, i] = step[i, j, first + N]
-                for _ in range(steps):
-                    W[:] = V
-                    np.dot(W, move, V)
-                hankel(gone, first + N, H)
-                np.dot(Y[N], H, W)
-                V += W
-                products(Z[N], V, B, S, 2.0, sums)
-            for i in range(B):
-                for j in range(i):
-                    mean = 0.5 * (sums[i * B + j] + sums[j * B + i])
-                    sums[i * B + j] = sums[j * B + i] = mean
+        part = slice(first, first + here)
+        own[:], R[:n, :here] = 0.0, even[:, part]
+        for side in range(len(weights)):
+            weighted(signals, weights[side], first, here, rows[side])
+            at_once(rows[side], R, V)
+            products(rows[side], V, B, S, own)
+        if len(weights) > 1:
+            V[:], across[:] = 0.0, 0.0
+            R[:, :here], move[:, :, :here] = free[:, part], step[:, :, part]
+            later(rows[1], R, V)
+            for _ in range(steps):
+                W[:] = V
+                carried(move, W, V)
+            if len(gone) > 0:
+                R[:, :here] = gone[:, part]
+                later(rows[1], R, V)
+            products(rows[0], V, B, S, across)
+            for i in range(len(own)):
+                turned = i if i >= B * B else i % B * B + i // B
+                for N in range(WIDTH):
+                    own[i, N] += across[i, N] + across[turned, N]
+        out[:, part] = own[:, :here]
     return out
 
 
 @compiled(**OPTIONS)
 def weighted(signals, weights, first, here, out):
-    """`struts.signals`, the designs in front."""
+    """`struts.signals` of one block of designs."""
     out[:] = 0.0
     for j in range(len(weights)):
         if weights[j] != 0.0:
             for row in range(signals.shape[1]):
                 for k in range(signals.shape[2]):
                     for N in range(here):
-                        out[N, row, k] += weights[j] * signals[j, row, k, first + N]
+                        out[row, k, N] += weights[j] * signals[j, row, k, first + N]
 
 
 @compiled(**OPTIONS)
-def products(Z, V, B, S, times, out):
-    """Add `struts.products` of one design, so many times."""
-    length = Z.shape[1]
-    for i in range(len(Z)):
-        for j in range(B) if i < B else range(i, i + 1):
-            total = 0.0
-            for k in range(length):
-                total += Z[i, k] * V[j, k]
-            out[i * B + j if i < B else B * B - B + i] += times * total
+def at_once(rows, even, V):
+    """Covariances of signals with X's derivatives, from the even derivatives of R at 0."""
+    n = rows.shape[1]
+    V[:] = 0.0
+    for r in range(len(rows)):
+        for i in range(0, n + 1, 2):
+            for j in range(0, n, 2):
+                for N in range(WIDTH):
+                    V[r, i, N] += rows[r, j, N] * even[(i + j) // 2, N]
+        for i in range(1, n + 1, 2):
+            for j in range(1, n, 2):
+                for N in range(WIDTH):
+                    V[r, i, N] -= rows[r, j, N] * even[(i + j) // 2, N]
+
+
+@compiled(**OPTIONS)
+def later(rows, derivatives, V):
+    """Add covariances of signals with X's derivatives at another time, from the derivatives of R."""
+    n = rows.shape[1]
+    for r in range(len(rows)):
+        for i in range(n + 1):
+            for j in range(0, n, 2):
+                for N in range(WIDTH):
+                    V[r, i, N] += rows[r, j, N] * derivatives[i + j, N]
+            for j in range(1, n, 2):
+                for N in range(WIDTH):
+                    V[r, i, N] -= rows[r, j, N] * derivatives[i + j, N]
+
+
+@compiled(**OPTIONS)
+def carried(move, before, V):
+    """Covariances of signals with X's derivatives a step later."""
+    V[:] = 0.0
+    for r in range(len(V)):
+        for k in range(len(move)):
+            for i in range(len(move)):
+                for N in range(WIDTH):
+                    V[r, k, N] += move[k, i, N] * before[r, i, N]
+
+
+@compiled(**OPTIONS)
+def products(rows, V, B, S, out):
+    """Add `struts.products` of one block of designs on one side."""
+    n, deflections, rates = rows.shape[1], B * B - B, B * B - B + 2 * S
+    for i in range(B):
+        for j in range(B):
+            for k in range(n):
+                for N in range(WIDTH):
+                    out[i * B + j, N] += rows[i, k, N] * V[j, k, N]
+    for i in range(B, B + 2 * S):
+        for k in range(n):
+            for N in range(WIDTH):
+                out[deflections + i, N] += rows[i, k, N] * V[i, k, N]
     for i in range(B, B + S):
-        total = 0.0
-        for k in range(length - 1):
-            total += Z[i, k] * V[i, k + 2]
-        out[B * B - B + 2 * S + i] -= times * total
-
-
-@compiled(**OPTIONS)
-def hankel(derivatives, N, H):
-    """The transpose of `struts.hankel` of one design."""
-    for i in range(H.shape[0]):
-        sign = 1.0 - 2.0 * (i % 2)
-        for j in range(H.shape[1]):
-            H[i, j] = sign * derivatives[i + j, N]
+        for k in range(n - 1):
+            for N in range(WIDTH):
+                out[rates + i, N] -= rows[i, k, N] * V[i, k + 2, N]
 
 
 def start(D, road):
