@@ -27,7 +27,7 @@ def turns(struts: Array, compliance: Array, tau: Array) -> Array:
     Struts are (S, 5, N) of ``mu, ks, cs, kt, ct``, the body's compliance (S, S, N).
     """
     springs, tyres = struts[:, 1:3], struts[:, 3:5]
-    # The largest row sums of the stiffness and of the damping matrix over the masses bound what is fastest, whatever the
+    # The largest row sums of the stiffness and the damping matrix over the masses bound what is fastest, whatever the
     # unit of the body's coordinates; a small one does so tightly where the wheels are faster than the body.
     unit = np.array([1.0, 0.25])[:, None, None]
     at_body = np.einsum("ijn,jkn->ikn", np.abs(compliance), springs).max(axis=0)

@@ -167,7 +167,7 @@ def stirred(chassis: Chassis, adjugate: Array) -> Array:
 
 
 def signals(linked: Linked, weights: Array) -> Array:
-    """Those of `stirred` where the road under the struts moves at ``weights`` (sides, S) times u, a side the first axis."""
+    """Those of `stirred` where the road under the struts moves at ``weights`` (sides, S) times u: (sides, ...)."""
     return np.asarray(np.tensordot(weights, linked.signals, axes=1))
 
 
