@@ -137,6 +137,13 @@ class Cross(NamedTuple):
     third: Any
 
 
+def windows(p: Array, width: int) -> Array:
+    """``p[i + j]`` for every i and for j below the width, of rows (..., length, N): a view (..., i, j, N)."""
+    *before, row, column = p.strides
+    shape = (*p.shape[:-2], p.shape[-2] - width + 1, width, p.shape[-1])
+    return np.lib.stride_tricks.as_strided(p, shape, (*before, row, row, column), writeable=False)
+
+
 def product(p: Array, q: Array) -> Array:
     """``p(s) q(s)``."""
     out = np.zeros((len(p) + len(q) - 1, p.shape[1]))
@@ -179,7 +186,7 @@ def modulus(p: Array) -> Array:
 def applied(p: Array, derivatives: Array) -> Array:
     """``p(d/dt)`` of a function whose derivatives are the rows; those beyond the last count as zero."""
     n = min(len(p), len(derivatives))
-    return np.asarray((p[:n] * derivatives[:n]).sum(axis=0))
+    return np.asarray(np.einsum("in,in->n", p[:n], derivatives[:n]))
 
 
 def decaying(g: Array, alphas: Array, first: int, count: int) -> Array:
@@ -248,14 +255,13 @@ def delay_operator(D: Array, tau: Array, squarings: int) -> Array:
         term[0] = 0.0
         term -= top * low
         total += term
+    between = np.zeros((3 * n - 2, D.shape[1]))
     for _ in range(squarings):
-        square = np.zeros((2 * n - 1, D.shape[1]))
-        for i in range(n):
-            square[2 * i] += total[i] * total[i]
-            square[2 * i + 1 : i + n] += (2.0 * total[i]) * total[i + 1 :]
+        between[n - 1 : 2 * n - 1] = total
+        square = np.einsum("in,kin->kn", total[::-1], windows(between, n))
         for i in range(2 * n - 2, n - 1, -1):
             square[i - n : i] -= square[i] * low
-        total = square[:n].copy()
+        total = square[:n]
     return total
 
 

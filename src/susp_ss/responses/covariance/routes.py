@@ -93,11 +93,16 @@ def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Arra
         kernels = polynomials_numba if halves else struts_numba
 
     def solve(part: slice) -> None:
-        here = flat.select(part), road.select(part), part.stop - part.start, kernels
+        count = part.stop - part.start
+
+        def of(designs: Any) -> Any:
+            return designs if count == size else designs.select(part)
+
+        here = of(flat), of(road), count, kernels
         if whole is None:
-            found = symmetric_variances([half.select(part) for half in halves], *here)
+            found = symmetric_variances([of(half) for half in halves], *here)
         else:
-            found = whole_variances(whole.select(part), *here)
+            found = whole_variances(of(whole), *here)
         variances[:, part], left[part] = found
 
     first, *others = _blocks(size, long if compiled else block)

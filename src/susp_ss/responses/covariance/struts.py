@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import polynomials
-from .polynomials import Array, Track
+from .polynomials import Array, Track, windows
 from .polynomials import start as start
 
 # A sum of numerators no larger than this, relative to its terms, is zero but for rounding.
@@ -70,13 +70,6 @@ def expansions(S: int) -> tuple[NDArray[np.int_], ...]:
         ]
         tables.append(np.array(terms))
     return tuple(tables)
-
-
-def windows(p: Array, width: int) -> Array:
-    """``p[i + j]`` for every i and for j below the width, of rows (..., length, N): a view (..., i, j, N)."""
-    *before, row, column = p.strides
-    shape = (*p.shape[:-2], p.shape[-2] - width + 1, width, p.shape[-1])
-    return np.lib.stride_tricks.as_strided(p, shape, (*before, row, row, column), writeable=False)
 
 
 def expanded(row: Array, minors: Array, table: NDArray[np.int_], zeros: int) -> Array:

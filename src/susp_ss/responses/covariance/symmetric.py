@@ -46,24 +46,24 @@ class Problem(NamedTuple):
         compliance = self.body.compliance
         if len(self.struts) == 1:
             one = OneStrut._make(kernels.one_strut(self.struts[0], compliance[0, 0], self.road))
-            forces, deflections, rates, loads = [[one.force]], [one.deflection], [one.rate], [one.load]
+            forces, deflections, rates, loads = np.array([[one.force]]), [one.deflection], [one.rate], [one.load]
             tyres = [one.tyre]
         else:
             damped = bool(self.struts[:, 4].any())
             two = TwoStruts._make(kernels.two_struts(self.struts, self.body, self.road, Delay(self.tau, *walk), damped))
-            forces = [[two.force_1, two.force_12], [two.force_12, two.force_2]]
+            forces = np.array([[two.force_1, two.force_12], [two.force_12, two.force_2]])
             deflections, rates = [two.deflection_1, two.deflection_2], [two.rate_1, two.rate_2]
             loads, tyres = [two.load_1, two.load_2], [two.tyre_1, two.tyre_2]
 
-        def acceleration(per_force: Array) -> Array:
-            terms = [u * v * forces[i][j] for i, u in enumerate(per_force) for j, v in enumerate(per_force)]
-            total, size = sum(terms), sum(map(np.abs, terms))
-            return digits.sum_or_nan(total, size)
-
-        out = {name: acceleration(per_force) for name, per_force in self.accelerations.items()}
+        # Accelerations per force of each strut: of further points, then of the mounts over the struts.
+        shares = np.stack([*self.accelerations.values(), *compliance])
+        terms = shares[:, :, None] * shares[:, None] * forces
+        accelerations = digits.sum_or_nan(terms.sum(axis=(1, 2)), np.abs(terms).sum(axis=(1, 2)))
+        out = dict(zip(self.accelerations, accelerations, strict=False))
+        mounts = accelerations[len(out) :]
         for i, corners in enumerate(self.places):
             loads[i][self.struts[i, 4] > 0.0] = np.inf
-            values = {"bacc": acceleration(compliance[i]), "sws": deflections[i], "dtl": loads[i], "sws_rate": rates[i]}
+            values = {"bacc": mounts[i], "sws": deflections[i], "dtl": loads[i], "sws_rate": rates[i]}
             values["tyre_deflection"] = tyres[i]
             out |= {signal(kind, corner): variance for corner in corners for kind, variance in values.items()}
         return out
