@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -43,29 +43,37 @@ def labelled_outputs(
     long_name : str
         Of every variable, with ``{statistic}`` and ``{meaning}`` of its quantity filled in.
     """
-    found: dict[str, Any] = {}
+    arrays = {}
     for name, (quantity, places) in layout.variables.items():
         data = power if name == "damper_power" else _columns(values, layout.outputs.of(name))
-        dim = dim_of(quantity, places)
-        shaped = data if dim else data[:, 0]
-        found[name] = (
-            (*space.dims, *dim, *dims),
-            shaped.reshape((*space.shape, *shaped.shape[1:])),
-            {
-                "units": quantity.unit,
-                "long_name": long_name.format(statistic=quantity.statistic, meaning=quantity.meaning),
-            },
-        )
-    labels = places_of(layout)
+        shaped = data if dim_of(quantity, places) else data[:, 0]
+        arrays[name] = shaped.reshape((*space.shape, *shaped.shape[1:]))
+    labelled = _empty(layout, space.dims, space.shape, dims, values.shape[2:], long_name).copy(data=arrays)
     more = {**space.coords, **(coords or {})}
-    return xr.Dataset(found, labels.assign(more) if more else labels)
+    return labelled.assign_coords(more) if more else labelled
 
 
-@cache
-def places_of(layout: Layout) -> xr.Coordinates:
-    """The places of all variables, with their indexes."""
+@lru_cache(maxsize=64)
+def _empty(
+    layout: Layout,
+    dims: tuple[str, ...],
+    shape: tuple[int, ...],
+    more_dims: tuple[str, ...],
+    more_shape: tuple[int, ...],
+    long_name: str,
+) -> xr.Dataset:
+    """A Dataset of everything but its values: putting it together takes xarray longer than filling it in."""
+    variables: dict[str, Any] = {}
+    for name, (quantity, places) in layout.variables.items():
+        dim = dim_of(quantity, places)
+        along = (*shape, *((len(places),) if dim else ()), *more_shape)
+        attrs = {
+            "units": quantity.unit,
+            "long_name": long_name.format(statistic=quantity.statistic, meaning=quantity.meaning),
+        }
+        variables[name] = (*dims, *dim, *more_dims), np.broadcast_to(np.nan, along), attrs
     labels = {dim: list(places) for q, places in layout.variables.values() for dim in dim_of(q, places)}
-    return xr.Dataset(coords=labels).coords.copy()
+    return xr.Dataset(variables, labels)
 
 
 def _columns(values: NDArray[np.float64], rows: slice | list[int]) -> NDArray[np.float64]:
