@@ -80,8 +80,8 @@ class Problem(NamedTuple):
         # A damped tyre passes on white velocity; where its wheel sees none, its load is left to matrices.
         damped = np.where(driven, np.inf, np.nan)[:, None]
         loads = np.where(chassis.struts[:, 4] > 0.0, damped, chassis.struts[:, 3] ** 2 * tyres)
-        largest = self._largest(deflections, rates)
-        out = {name: self._acceleration(share, body, largest) for name, share in self.points.items()}
+        accelerations = self._accelerations(body, self._largest(deflections, rates))
+        out = dict(zip(self.points, accelerations, strict=True))
         corners = self.places[: S - len(self.seats)]
         at_corners = {"sws": deflections, "dtl": loads, "sws_rate": rates, "tyre_deflection": tyres}
         for name, values in at_corners.items():
@@ -102,10 +102,12 @@ class Problem(NamedTuple):
             force[pair] += bar * deflection[pair].sum(axis=0)
         return chassis.mobility * np.einsum("bin,in->bn", np.abs(chassis.arms), force)
 
-    def _acceleration(self, share: Array, body: Array, largest: Array) -> Array:
-        terms = share[:, None] * share[None] * body
-        total = digits.sum_or_nan(terms.sum(axis=(0, 1)), np.abs(terms).sum(axis=(0, 1)))
-        size = (np.abs(share) * largest).sum(axis=0) ** 2
+    def _accelerations(self, body: Array, largest: Array) -> Array:
+        """Variances (points, N) from the second moments (B, B, N) of the body's coordinates."""
+        shares = np.stack(list(self.points.values()))
+        terms = shares[:, :, None] * shares[:, None] * body
+        total = digits.sum_or_nan(terms.sum(axis=(1, 2)), np.abs(terms).sum(axis=(1, 2)))
+        size = (np.abs(shares) * largest).sum(axis=1) ** 2
         return np.where(total > CANCELLED * size, total, np.where(total <= ZERO * size, 0.0, np.nan))
 
     def in_other_units(self) -> Problem:
