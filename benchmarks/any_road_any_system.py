@@ -157,7 +157,7 @@ def pairs():
     yield waviness(ss.QuarterCar, "identical")
     yield waviness(ss.FullCar, "isotropic")
     yield weighted()
-    yield systems(1, LYAPUNOV, None)
+    yield systems(1, LYAPUNOV, 2.5)
     yield systems(1, LYAPUNOV, 2.0, labels=False)
     yield systems(MANY, EIG, 1.0)
 

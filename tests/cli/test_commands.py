@@ -124,10 +124,11 @@ def test_every_parameter_has_an_option():
 
 @pytest.mark.parametrize("model", models())
 def test_template_round_trips(model, answer, here):
-    template = answer("metrics", "--model", model, "--cs", "1700", "--template")
+    option = "--cs-front" if model == "three-axle" else "--cs"
+    template = answer("metrics", "--model", model, option, "1700", "--template")
     (here / "car.toml").write_text(template)
     assert answer("metrics", "--vehicle", "car.toml", "--template") == template
-    assert answer("metrics", "--vehicle", "car.toml") == answer("metrics", "--model", model, "--cs", "1700")
+    assert answer("metrics", "--vehicle", "car.toml") == answer("metrics", "--model", model, option, "1700")
 
 
 def test_options_override_the_file(answer, here):

@@ -187,3 +187,13 @@ def test_bad_metric_calls():
 def test_full_car_with_unequal_corners_differs_at_every_corner():
     metrics = ss.ride_metrics(ss.FullCar(**UNEQUAL), ROAD)
     assert len(set(np.round(metrics.sws.values, 9))) == 4
+
+
+def test_a_result_changed_by_its_owner_changes_no_other():
+    car, road = ss.FullCar(), ss.Road()
+    changed = ss.ride_metrics(car, road)
+    expected = changed.copy(deep=True)
+    changed.bacc.attrs["units"], changed.attrs["said"], changed.corner.attrs["said"] = "g", "mine", "mine"
+    changed["sws"][:] = 0.0
+    changed.coords["point"] = [str(i) for i in range(5)]
+    xr.testing.assert_identical(ss.ride_metrics(car, road), expected)

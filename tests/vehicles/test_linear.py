@@ -83,7 +83,7 @@ WRONG = {
     "third axle": (
         lambda: ss.LinearVehicle(named(["z_r_1", "z_r_2"]), wheels={"1": (0, 0), "2": (2, 0)}),
         ValueError,
-        r"'2' must be \(axle, side\) with axle 0 or 1 and side -1, 0 or 1, got \(2, 0\)",
+        r"'2' must be \(axle, side\) with axle 0 to 1 and side -1, 0 or 1, got \(2, 0\)",
     ),
     "negative wheelbase": (
         lambda: ss.LinearVehicle(PLANT, wheelbase=-1.0),

@@ -3,7 +3,7 @@
 - Designs that fall into halves (left and right alike, struts on a rigid body) go by polynomials (`symmetric`), a block
   of them at a time: a microsecond or two each.
 - Other struts on a rigid body, four unequal corners, seats or three axles, go by polynomials of a higher degree
-  (`whole`): some thirty microseconds a car, a third of that once they are many enough to be worth compiling.
+  (`whole`): some twenty to thirty microseconds a car, half of that once they are many enough to be worth compiling.
 - The rest, and those that would lose digits there, take the Lyapunov equation of their matrices in batches
   (`matrices`): some hundred microseconds each.
 
