@@ -203,9 +203,11 @@ def said(laws: Mapping[str, tuple[Array, dict[str, Array]]]) -> str:
     for law, (ay, errors) in laws.items():
         lines += [
             f"{law}: largest error of the linear car",
-            "  ay (m/s^2)  " + "  ".join(f"{n:>12.12}" for n in OUTPUTS),
+            "  ay (m/s^2)  " + "  ".join(f"{name:>19}" for name in OUTPUTS),
         ]
-        lines += [f"  {a:10.2f}  " + "  ".join(f"{errors[n][i]:12.2%}" for n in OUTPUTS) for i, a in enumerate(ay)]
+        lines += [
+            f"  {a:10.2f}  " + "  ".join(f"{errors[name][i]:19.2%}" for name in OUTPUTS) for i, a in enumerate(ay)
+        ]
         worst = np.max([errors[name] for name in ("ay", "yaw_rate", "roll")], axis=0)
         bounds = ", ".join(f"{bound:.0%} up to {holds_to(ay, worst, bound):.1f} m/s^2" for bound in (0.02, 0.05, 0.1))
         lines.append(f"  ay, yaw rate and roll hold to {bounds}")
