@@ -189,8 +189,7 @@ def load_surrogate(path: str | PathLike[str]) -> SuspensionSurrogate:
         The file cannot be read.
     ValueError
         The file is truncated or damaged (with line and column), no surrogate's, of a newer version, or of an older one
-        with a surrogate that this version cannot make. The message
-        begins with its name.
+        with a surrogate that another library trained. The message begins with its name.
 
     Examples
     --------
