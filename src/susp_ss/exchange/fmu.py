@@ -78,12 +78,18 @@ class FMU:
 
     Examples
     --------
-    Twelve runs of a model that is a quarter car without its wheel, which was exported here:
-
     >>> import susp_ss as ss
-    >>> model = ss.FMU("strut.fmu", {"ks": "k"}, {"bacc": "body.a"})  # doctest: +SKIP
+    >>> model = ss.FMU("model.fmu", {"ks": "front.k"}, {"bacc": "body.a"})  # doctest: +SKIP
     >>> designs = ss.sample({"ks": (15e3, 25e3)}, 12)  # doctest: +SKIP
     >>> runs = model.run(designs, ss.Road.iso8608("B"), kept="runs.json")  # doctest: +SKIP
+
+    An FMU that was exported here has its parameters in its matrices:
+
+    >>> import pathlib, tempfile
+    >>> path = ss.export(ss.QuarterCar(), pathlib.Path(tempfile.mkdtemp(), "car.fmu"))
+    >>> ss.FMU(path, {"ks": "ks"}, {"bacc": "bacc"})
+    Traceback (most recent call last):
+    ValueError: ...
     """
 
     def __init__(

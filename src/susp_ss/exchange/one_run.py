@@ -7,6 +7,7 @@ A script that stands alone, so that it starts at once. It reads a job (JSON), an
 import json
 import sys
 from ctypes import c_double, c_int, c_uint32
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,70 +20,80 @@ def simulated(job: dict[str, Any]) -> Any:
     from fmpy.simulation import instantiate_fmu
 
     model = read_model_description(job["folder"], validate=False)
-    t, u = np.load(job["time"]), np.load(job["inputs"])
     kind = "CoSimulation" if model.coSimulation is not None else "ModelExchange"
     fmu = instantiate_fmu(job["folder"], model, kind, require_functions=False)
     references = {variable.name: variable.valueReference for variable in model.modelVariables}
-    at = [references[name] for name in job["road"]]
-    if kind == "CoSimulation":
-        _carry_along(fmu, model, at, t, u)
+    road = Road(fmu, [references[name] for name in job["road"]], np.load(job["inputs"]).T, job["step"])
+    road.start()
+    if kind == "ModelExchange":
+        road.follow()
     else:
-        _follow(fmu, at, t, u)
+        road.carry_along(bool(model.coSimulation.canInterpolateInputs) and model.fmiVersion == "2.0")
     found = simulate_fmu(
         job["folder"],
         model_description=model,
         fmu_instance=fmu,
         start_time=0.0,
-        stop_time=float(t[-1]),
+        stop_time=job["step"] * (len(road.u) - 1),
         output_interval=job["step"],
         start_values=job["parameters"],
-        input=np.array(list(zip(t, *u, strict=True)), dtype=[(name, float) for name in ("time", *job["road"])]),
         output=job["outputs"],
         record_events=False,
     )
     return np.array([found["time"], *(found[name] for name in job["outputs"])], dtype=float)
 
 
-def _setter(fmu: Any, at: list[int]) -> Any:
-    put = getattr(fmu, "setReal", None) or fmu.setFloat64
-    return lambda values: put(at, [float(value) for value in values])
+class Road:
+    """The road as inputs ``u`` (T, k) of a model, linear between samples, set whenever the model is asked for more.
 
-
-def _follow(fmu: Any, at: list[int], t: Any, u: Any) -> None:
-    """Model exchange: whenever the solver sets the time, within its steps as well, the road is where it is then."""
-    set_time, put = fmu.setTime, _setter(fmu, at)
-
-    def set_time_and_road(time: float) -> None:
-        set_time(time)
-        put([np.interp(time, t, row) for row in u])
-
-    fmu.setTime = set_time_and_road
-
-
-def _carry_along(fmu: Any, model: Any, at: list[int], t: Any, u: Any) -> None:
-    """Co-simulation: over a step the road is linear where the model can take that, else at its middle; then at its end.
-
-    Held where it is as the step begins, the road would come half a step late.
+    Inputs by FMPy itself are held where they are as a step begins, half a step late, and within the steps of a solver.
     """
-    do_step, put = fmu.doStep, _setter(fmu, at)
-    linear = bool(model.coSimulation.canInterpolateInputs) and hasattr(fmu, "fmi2SetRealInputDerivatives")
-    n = len(at)
-    references, first = (c_uint32 * n)(*at), (c_int * n)(*[1] * n)
 
-    def step(currentCommunicationPoint: float, communicationStepSize: float, **how: Any) -> Any:
-        start, end = (
-            np.array([np.interp(currentCommunicationPoint + h, t, row) for row in u])
-            for h in (0.0, communicationStepSize)
-        )
-        put(start if linear else 0.5 * (start + end))
-        if linear:
-            slopes = (c_double * n)(*(end - start) / communicationStepSize)
-            fmu.fmi2SetRealInputDerivatives(fmu.component, references, n, first, slopes)
-        done = do_step(currentCommunicationPoint, communicationStepSize, **how)
-        put(end)
-        return done
+    def __init__(self, fmu: Any, at: list[int], u: Any, step: float):
+        self.fmu, self.at, self.u, self.step = fmu, at, u, step
+        self.put = partial(getattr(fmu, "setReal", None) or fmu.setFloat64, at)
 
-    fmu.doStep = step
+    def __call__(self, time: float) -> Any:
+        i = min(max(int(time / self.step), 0), len(self.u) - 2)
+        share = min(time / self.step - i, 1.0)
+        return self.u[i] + share * (self.u[i + 1] - self.u[i])
+
+    def start(self) -> None:
+        """The model starts on the first of it."""
+        started = self.fmu.exitInitializationMode
+
+        def on_road() -> Any:
+            self.put(self(0.0).tolist())
+            return started()
+
+        self.fmu.exitInitializationMode = on_road
+
+    def follow(self) -> None:
+        """Model exchange: it is where it is whenever the solver sets the time, within its steps as well."""
+        set_time = self.fmu.setTime
+
+        def set_time_and_road(time: float) -> None:
+            set_time(time)
+            self.put(self(time).tolist())
+
+        self.fmu.setTime = set_time_and_road
+
+    def carry_along(self, linear: bool) -> None:
+        """Co-simulation: linear over a step where the model can take that, else at its middle; then at its end."""
+        do_step, n = self.fmu.doStep, len(self.at)
+        references, first = (c_uint32 * n)(*self.at), (c_int * n)(*[1] * n)
+
+        def step(currentCommunicationPoint: float, communicationStepSize: float, **how: Any) -> Any:
+            start, end = self(currentCommunicationPoint), self(currentCommunicationPoint + communicationStepSize)
+            self.put((start if linear else 0.5 * (start + end)).tolist())
+            if linear:
+                slopes = (c_double * n)(*((end - start) / communicationStepSize).tolist())
+                self.fmu.fmi2SetRealInputDerivatives(self.fmu.component, references, n, first, slopes)
+            done = do_step(currentCommunicationPoint, communicationStepSize, **how)
+            self.put(end.tolist())
+            return done
+
+        self.fmu.doStep = step
 
 
 def main(path: str) -> int:

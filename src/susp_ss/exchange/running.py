@@ -62,7 +62,6 @@ def outcomes(
     with tempfile.TemporaryDirectory(prefix="susp_ss-") as work, progress("running", len(runs), 0, shown) as bar:
         folder = Path(work)
         extract(path, folder / "fmu")
-        np.save(folder / "time.npy", drive.t)
         np.save(folder / "inputs.npy", drive.u)
         with ThreadPoolExecutor(processes) as pool:
             jobs = {pool.submit(_outcome, folder, drive, i, run, reduced): i for i, run in runs.items()}
@@ -80,7 +79,6 @@ def _outcome(
     job, result, refusal = folder / f"job_{i}.json", folder / f"result_{i}.npy", folder / f"refusal_{i}.txt"
     asked = {
         "folder": str(folder / "fmu"),
-        "time": str(folder / "time.npy"),
         "inputs": str(folder / "inputs.npy"),
         "road": drive.road,
         "outputs": drive.outputs,
