@@ -69,7 +69,8 @@ def checked(value: Any, where: str, quantity: Quantity) -> Any:
     ValueError
         Empty, not finite, or below the bound.
     """
-    need = " ".join(word for word in ("must be", quantity.bound or "a number of", quantity.unit) if word)
+    bound = quantity.bound or ("finite, in" if quantity.unit else "finite")
+    need = f"must be {bound} {quantity.unit}".rstrip()
     if lazy(value):
         return _checked_lazy(value, where, need)
     if hasattr(value, "__dask_graph__") and not isinstance(value, xr.DataArray):
