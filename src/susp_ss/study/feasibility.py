@@ -26,6 +26,7 @@ from ..metrics.ride import ride_metrics
 from ..quantities import PARAMETERS, briefly, signal
 from ..roads.road import DEFAULT_ROAD, Road
 from ..surrogates import ExtrapolationWarning, ParameterBased, ResponseBased, VariableBased, accuracy
+from ..vehicles.curves import rate_of
 from ..vehicles.full import FullCar
 from ..vehicles.quarter import QuarterCar
 from ..vehicles.vehicle import Vehicle
@@ -314,8 +315,8 @@ def high_fidelity(ks: Any, cs: Any, road: Road, corner: str, car: Vehicle) -> xr
     """The expensive car's three criteria at a corner, along a last dim ``criterion``."""
     settings: dict[str, Any] = {}
     for name, values in (("ks", ks), ("cs", cs)):
-        own = dict(zip(car.wheels, car.at_wheels(name), strict=True))
-        if len(set(own.values())) == 1:
+        own = dict(zip(car.wheels, map(rate_of, car.at_wheels(name)), strict=True))
+        if len(set(car.at_wheels(name))) == 1:
             settings[name] = values
         else:
             settings |= {signal(name, wheel): values * (value / own[corner]) for wheel, value in own.items()}
@@ -409,7 +410,7 @@ def _check(road: Any, corner: Any, nonnegative: Any, car: Any) -> None:
     if not isinstance(corner, str) or corner not in car.wheels:
         raise ValueError(f"no corner named {corner!r}, available: {', '.join(car.wheels)}")
     for name in ("ks", "cs"):
-        if not all(value > 0.0 for value in car.at_wheels(name)):
+        if not all(rate_of(value) > 0.0 for value in car.at_wheels(name)):
             raise ValueError(f"vehicle needs {name} > 0 at every corner, to keep their ratio over the grid")
     if not isinstance(nonnegative, (bool, np.bool_)):
         raise TypeError(f"nonnegative must be True or False, got {briefly(nonnegative)}")
