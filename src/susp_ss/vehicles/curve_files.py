@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from ..quantities import PARAMETERS, briefly, units_of
-from .curves import Broken, Curve, DamperCurve, Digressive, SpringCurve
+from .curves import Curve, DamperCurve, SpringCurve
+from .laws import Broken, Digressive
 
 KINDS: dict[str, Any] = {"cs": DamperCurve, "ks": SpringCurve}
 

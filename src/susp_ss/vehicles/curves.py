@@ -1,170 +1,23 @@
-"""Real dampers and springs: force laws in place of one rate, and their Gaussian equivalents.
+"""Real dampers and springs: curves of force in place of one rate.
 
-A law has its force at any velocity or deflection, and, where that is Gaussian of mean m and deviation s, the means of
-the force and of its first three derivatives: ``E[f]``, ``E[f'] = E[f (x - m)] / s^2``, ``E[f'']`` and ``E[f''']``. The
-second is the rate that comes closest in the mean square (Roberts and Spanos, Random Vibration and Statistical
-Linearization, 1990), and they are one another's derivatives: along m each is the next, along s it is s times the one
-after the next. Piecewise linear laws have them as a sum over kinks, `Digressive` in closed form.
+A curve is a law of `laws` that belongs to a field of a vehicle, ``cs`` or ``ks``, and spans designs as a number does.
 """
 
 from __future__ import annotations
 
-import csv
-import functools
 from collections.abc import Callable
-from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple, Protocol, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
-from scipy.special import erf, ndtr
+from numpy.typing import ArrayLike
 
-from ..quantities import PARAMETERS, UNITS, Quantity, briefly
+from ..quantities import PARAMETERS, Quantity, briefly
+from .laws import Broken, Digressive, Law, Means
 from .parameters import checked, lazy
-
-Array = NDArray[np.float64]
-
-
-class Means(NamedTuple):
-    """Means of a force (N) and of its first three derivatives under a Gaussian motion."""
-
-    force: Any
-    slope: Any
-    curvature: Any
-    third: Any
-
-    def scaled(self, factor: Any) -> Means:
-        """The same of a force that is so many times as large."""
-        return Means(*(factor * mean for mean in self))
-
-
-class Law(Protocol):
-    """A force that is zero at rest and never falls; its parameters may be arrays over designs."""
-
-    @property
-    def rate(self) -> Any:
-        """Slope for small motion: the mean of the slopes on both sides of rest."""
-        ...
-
-    @property
-    def steepest(self) -> Any:
-        """The largest slope."""
-        ...
-
-    def leaves(self) -> list[Any]:
-        """Its parameters."""
-        ...
-
-    def mapped(self, function: Callable[[Any], Any]) -> Self:
-        """The same law with a function applied to every parameter."""
-        ...
-
-    def force(self, x: Any) -> Any:
-        """The force at x."""
-        ...
-
-    def means(self, sigma: Any, mean: Any = 0.0) -> Means:
-        """Means under a Gaussian x."""
-        ...
-
-
-@dataclass(frozen=True, eq=False)
-class Broken:
-    """A piecewise linear law: one more slope than kinks, through the origin."""
-
-    kinks: tuple[Any, ...]
-    slopes: tuple[Any, ...]
-
-    @property
-    def rate(self) -> Any:
-        below = above = self.slopes[0]
-        for kink, slope in zip(self.kinks, self.slopes[1:], strict=True):
-            below, above = _where(kink < 0.0, slope, below), _where(kink <= 0.0, slope, above)
-        return 0.5 * (below + above)
-
-    @property
-    def steepest(self) -> Any:
-        return functools.reduce(np.maximum, self.slopes)
-
-    def leaves(self) -> list[Any]:
-        return [*self.kinks, *self.slopes]
-
-    def mapped(self, function: Callable[[Any], Any]) -> Broken:
-        return Broken(tuple(map(function, self.kinks)), tuple(map(function, self.slopes)))
-
-    def _bends(self) -> list[tuple[Any, Any]]:
-        """Every kink, and by how much the slope rises there."""
-        rises = (after - before for before, after in zip(self.slopes, self.slopes[1:], strict=False))
-        return list(zip(self.kinks, rises, strict=True))
-
-    def force(self, x: Any) -> Any:
-        total = self.slopes[0] * x
-        for kink, rise in self._bends():
-            total = total + rise * (np.maximum(x - kink, 0.0) - _above(kink))
-        return total
-
-    def means(self, sigma: Any, mean: Any = 0.0) -> Means:
-        force, slope, curvature, third = self.slopes[0] * mean, self.slopes[0], 0.0, 0.0
-        for kink, rise in self._bends():
-            u = (mean - kink) / sigma
-            below, density = ndtr(u), np.exp(-0.5 * u**2) / np.sqrt(2.0 * np.pi)
-            force = force + rise * (sigma * (u * below + density) - _above(kink))
-            slope, curvature = slope + rise * below, curvature + rise * density / sigma
-            third = third - rise * u * density / sigma**2
-        return Means(force, slope, curvature, third)
-
-    def stiffened(self, by: Any) -> Broken:
-        """The same with a linear spring beside it."""
-        return Broken(self.kinks, tuple(slope + by for slope in self.slopes))
-
-
-@dataclass(frozen=True, eq=False)
-class Digressive:
-    """A smooth damper law whose slope falls from its value at rest to ``final`` times that, either way.
-
-    ``f(v) = c (final v + (1 - final) knee erf(sqrt(pi) v / (2 knee)))`` with ``c`` the slope of bump or rebound: the
-    error function saturates so that its Gaussian means are elementary. For small motion and in the far, the force is
-    along two lines that meet at ``knee``.
-    """
-
-    bump: Any
-    rebound: Any
-    knee: Any
-    final: Any
-
-    @property
-    def rate(self) -> Any:
-        return 0.5 * (self.bump + self.rebound)
-
-    @property
-    def steepest(self) -> Any:
-        return np.maximum(self.bump, self.rebound)
-
-    def leaves(self) -> list[Any]:
-        return [self.bump, self.rebound, self.knee, self.final]
-
-    def mapped(self, function: Callable[[Any], Any]) -> Digressive:
-        return Digressive(*map(function, self.leaves()))
-
-    def force(self, x: Any) -> Any:
-        saturating = self.knee * erf(0.5 * np.sqrt(np.pi) * x / self.knee)
-        return _where(x > 0.0, self.bump, self.rebound) * (self.final * x + (1.0 - self.final) * saturating)
-
-    def means(self, sigma: Any, mean: Any = 0.0) -> Means:
-        if np.any(mean):
-            raise ValueError("a damper has no mean velocity, about which Digressive.means could be taken")
-        t = np.sqrt(0.5 * np.pi) * sigma / self.knee
-        skew, above = (self.bump - self.rebound), 1.0 - self.final
-        spread = 1.0 + t**2
-        return Means(
-            skew * (self.final * sigma / np.sqrt(2.0 * np.pi) + above * self.knee * np.arctan(t) / np.pi),
-            self.rate * (self.final + above / np.sqrt(spread)),
-            skew * (self.final + above / spread) / (np.sqrt(2.0 * np.pi) * sigma),
-            -self.rate * above * 0.5 * np.pi / self.knee**2 * spread**-1.5,
-        )
+from .tables import read_table, tabulated
 
 
 class Curve:
@@ -286,7 +139,9 @@ class DamperCurve(Curve):
     middling = 0.2
 
     def __init__(self, velocity: ArrayLike, force: ArrayLike):
-        self.law, self.said, self.factor = *_tabulated(type(self), velocity, force), 1.0
+        name = type(self).__name__
+        self.law, self.factor = tabulated(name, self.across, velocity, force), 1.0
+        self.said = f"{name} of {np.size(velocity)} entries"
 
     @classmethod
     def two_slopes(cls, bump: Any, rebound: Any) -> DamperCurve:
@@ -349,7 +204,7 @@ class DamperCurve(Curve):
         >>> DamperCurve.from_csv(path).force(0.2).item()
         200.0
         """
-        return _read(cls, Path(path))
+        return cls(*read_table(cls.across, Path(path)))
 
     def with_rate(self, rate: Any) -> Self:
         """The same damper scaled to another rate for small motion.
@@ -406,7 +261,9 @@ class SpringCurve(Curve):
     middling = 0.01
 
     def __init__(self, deflection: ArrayLike, force: ArrayLike):
-        self.law, self.said, self.factor = *_tabulated(type(self), deflection, force), 1.0
+        name = type(self).__name__
+        self.law, self.factor = tabulated(name, self.across, deflection, force), 1.0
+        self.said = f"{name} of {np.size(deflection)} entries"
 
     @classmethod
     def with_stops(cls, ks: Any, stop: Any, bump: Any, rebound: Any) -> SpringCurve:
@@ -458,7 +315,7 @@ class SpringCurve(Curve):
         >>> SpringCurve.from_csv(path).force(0.01).round(9).item()
         200.0
         """
-        return _read(cls, Path(path))
+        return cls(*read_table(cls.across, Path(path)))
 
     def with_rate(self, rate: Any) -> Self:
         """The same with another main spring, so that this is the stiffness for small motion.
@@ -507,114 +364,9 @@ def _named(bump: Any, rebound: Any) -> list[tuple[str, Any]]:
     return [("bump", bump), ("rebound", rebound)]
 
 
-def _above(kink: Any) -> Any:
-    """How far rest lies above a kink."""
-    return max(-kink, 0.0) if isinstance(kink, float) else np.maximum(-kink, 0.0)
-
-
-def _where(condition: Any, one: Any, other: Any) -> Any:
-    if any(isinstance(x, xr.DataArray) for x in (condition, one, other)):
-        return xr.where(condition, one, other)
-    chosen = np.where(condition, one, other)
-    return chosen if chosen.ndim else float(chosen)
-
-
 def _parameter(value: Any, where: str, quantity: Quantity) -> Any:
     return checked(value, where, quantity)
 
 
 def _factor(value: Any, name: str) -> Any:
     return checked(value, f"the factor of a {name}", Quantity("factor", "", "", bound="> 0"))
-
-
-def _tabulated(kind: type[Curve], x: ArrayLike, force: ArrayLike) -> tuple[Broken, str]:
-    """The law of a table, or say at which of its entries it is none."""
-    where = f"{kind.__name__}({kind.across.name}=...)"
-    at, forces = _column(x, where, kind.across.unit), _column(force, f"{kind.__name__}(force=...)", "N")
-    if len(at) != len(forces):
-        raise ValueError(f"{kind.__name__} needs one force for each {kind.across.name}, got {len(forces)}, {len(at)}")
-    fault = _fault(at, forces, kind.across)
-    if fault is not None:
-        entry, said = fault
-        raise ValueError(f"{kind.__name__}({said}" + (f" at entry {entry}" if entry is not None else ""))
-    slopes = np.diff(forces) / np.diff(at)
-    return Broken(tuple(at[1:-1].tolist()), tuple(slopes.tolist())), f"{kind.__name__} of {len(at)} entries"
-
-
-def _column(values: ArrayLike, where: str, unit: str) -> Array:
-    try:
-        column = np.asarray(values)
-    except ValueError:
-        raise TypeError(f"{where} must be one row of numbers in {unit}, got rows of different lengths") from None
-    if column.dtype.kind not in "iuf" and column.size:
-        raise TypeError(f"{where} must be numbers in {unit}, got {briefly(values)}")
-    if column.ndim != 1 or len(column) < 2:
-        raise ValueError(f"{where} must be one row of at least two numbers in {unit}, got shape {column.shape}")
-    if not np.isfinite(column).all():
-        entry = int(np.argmin(np.isfinite(column)))
-        raise ValueError(f"{where} must be finite, got {column[entry]} at entry {entry}")
-    return column.astype(float)
-
-
-def _fault(at: Array, forces: Array, across: Quantity) -> tuple[int | None, str] | None:
-    """What is wrong with a table, and at which entry; None if nothing."""
-    for entry in range(1, len(at)):
-        if at[entry] <= at[entry - 1]:
-            return (
-                entry,
-                f"{across.name}=...) must rise strictly, got {at[entry]:g} after {at[entry - 1]:g} {across.unit}",
-            )
-        if forces[entry] < forces[entry - 1]:
-            return entry, f"force=...) must not fall, got {forces[entry]:g} after {forces[entry - 1]:g} N"
-    if not at[0] < 0.0 < at[-1]:
-        return None, f"{across.name}=...) must reach from below 0 to above 0 {across.unit}, got {at[0]:g} to {at[-1]:g}"
-    if forces[0] == forces[-1]:
-        return None, f"force=...) must rise somewhere, got {forces[0]:g} N everywhere"
-    return None
-
-
-def _read(kind: Any, path: Path) -> Any:
-    """The curve of a CSV table."""
-    names = (kind.across.name, "force")
-    try:
-        rows = [(i, row) for i, row in enumerate(csv.reader(path.read_text("utf-8-sig").splitlines()), 1) if any(row)]
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: not UTF-8 text") from None
-    header = [cell.strip() for cell in rows[0][1]] if rows else []
-    if sorted(header) != sorted(names):
-        raise ValueError(f"{path}: line 1 must name the columns {', '.join(names)}, got {', '.join(header) or 'none'}")
-    rows, factors = rows[1:], dict.fromkeys(names, 1.0)
-    if rows and not any(map(_is_number, rows[0][1])):
-        factors = _factors(path, rows[0][0], dict(zip(header, rows[0][1], strict=False)), kind.across.unit)
-        rows = rows[1:]
-    columns: dict[str, list[float]] = {name: [] for name in names}
-    for line, row in rows:
-        if len(row) != 2 or not all(map(_is_number, row)):
-            raise ValueError(f"{path}: line {line} must have two numbers, got {','.join(row)}")
-        for name, cell in zip(header, row, strict=True):
-            columns[name].append(float(cell) * factors[name])
-    at, forces = (np.array(columns[name]) for name in names)
-    fault = _fault(at, forces, kind.across) if len(at) > 1 else (None, "...) needs at least two rows")
-    if fault is not None:
-        entry, said = fault
-        place = "" if entry is None else f"line {rows[entry][0]}: "
-        raise ValueError(f"{path}: {place}{said.replace('=...)', '').replace('...) ', '')}")
-    return kind(at, forces)
-
-
-def _factors(path: Path, line: int, stated: dict[str, str], unit: str) -> dict[str, float]:
-    units = {"force": UNITS["N"], ("velocity" if unit == "m/s" else "deflection"): UNITS[unit]}
-    for name, known in units.items():
-        if stated.get(name, "").strip() not in known:
-            raise ValueError(
-                f"{path}: line {line}: the unit of {name} must be one of {', '.join(known)}, got "
-                f"{stated.get(name, '').strip() or 'none'}"
-            )
-    return {name: known[stated[name].strip()] for name, known in units.items()}
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        return bool(np.isfinite(float(cell)))
-    except ValueError:
-        return False

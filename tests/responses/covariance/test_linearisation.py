@@ -10,7 +10,8 @@ from scipy.optimize import brentq
 import susp_ss as ss
 from susp_ss.responses.covariance.linearisation import linearise
 from susp_ss.responses.excitation import spanned
-from susp_ss.vehicles.curves import DamperCurve, Means, SpringCurve
+from susp_ss.vehicles.curves import DamperCurve, SpringCurve
+from susp_ss.vehicles.laws import Means
 
 ROAD = ss.Road.iso8608("C", speed=20.0, tracks="isotropic")
 TWO = ss.DamperCurve.two_slopes(bump=800.0, rebound=2400.0)

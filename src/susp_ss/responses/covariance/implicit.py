@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...vehicles.curves import Curve, Means
+from ...vehicles.curves import Curve
+from ...vehicles.laws import Means
 from ...vehicles.vehicle import Vehicle
 from ..settings import Setting
 from .dual import Dual

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...roads.road import Road
-from ...vehicles.curves import Curve, DamperCurve, Means, SpringCurve
+from ...vehicles.curves import Curve, DamperCurve, SpringCurve
+from ...vehicles.laws import Means
 from ...vehicles.parameters import DesignSpace
 from ...vehicles.vehicle import Vehicle
 from ..balance import balanced
