@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
+from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
@@ -64,6 +64,9 @@ FILTERS = {
     "double pole": 1 / (1 + S) ** 2,
     "fivefold pole": 1 / (1 + S) ** 5,
     "double pair": 1 / (S**2 + 0.4 * S + 1) ** 2,
+    "three pairs within a per cent": 1 / ((S**2 + 0.4 * S + 1) * (S**2 + 0.403 * S + 1.01) * (S**2 + 0.398 * S + 0.99)),
+    "nine poles near one another": 1
+    / ((S**2 + 1.96 * S + 1) * (S**2 + 1.9 * S + 1.1) * (S**2 + 1.8 * S + 0.95) * (S + 1) * (S + 1.1) * (S + 0.96)),
     "nearly double": (S + 2) / ((1 + S) * (1.003 + S) * (S + 1.3)),
     "state space": control.ss([[-3.0, 1.0], [0.0, -5.0]], [[0.0], [1.0]], [[1.0, 2.0]], [[0.5]]),
 }
@@ -90,6 +93,11 @@ def test_random_filters_are_their_terms(real, pairs, gain):
     for w, damping in pairs:
         denominator = np.polymul(denominator, [1.0 / w**2, 2.0 * damping / w, 1.0])
     filter = Filter(control.tf([gain], denominator), "weighting")
+    try:
+        filter.colours  # noqa: B018
+    except ValueError as error:
+        assert "too close to the imaginary axis and to one another" in str(error)
+        reject()
     omega = np.geomspace(1e-2, 1e4, 300)
     power = filter.power(omega)
     np.testing.assert_allclose(from_terms(filter, omega), power, rtol=0.0, atol=1e-7 * power.max())

@@ -17,12 +17,14 @@ from numpy.typing import NDArray
 from ..quantities import briefly
 from ..roads.colours import Colours
 
-# Poles nearer to one another than this share of the way to the imaginary axis are taken together.
-CLUSTER = 0.03
+# Poles nearer to one another than a share of the way to the imaginary axis are taken together: the first share with
+# which the terms are |W|^2 to ENOUGH of its peak, else the best; what is then off by more than LOST is refused.
+SHARES, ENOUGH, LOST = (0.03, 0.1, 0.2, 0.01, 0.4, 0.7, 1.0), 1e-11, 1e-7
 
-# Points on a circle whose radius is this share of the way to the imaginary axis, beyond which no rate may lie, or of
-# that to the next pole: the error falls as its power of the number of points.
-POINTS, REACH = 16, 0.2
+# Around poles together runs a circle midway, in ratio, between what it holds and what lies outside: the next pole and
+# the imaginary axis. The error falls as that ratio's power of the number of points; a smaller circle than LEAST of the
+# way would lose digits to the large values on it.
+LEAST, POINTS = 0.2, (16, 32, 64, 128)
 
 
 class Filter:
@@ -46,8 +48,7 @@ class Filter:
     def __init__(self, system: Any, where: str, name: str = "filter"):
         import control
 
-        self.name = name
-
+        self.name, self.where = name, where
         if not isinstance(system, (control.TransferFunction, control.StateSpace)):
             raise TypeError(f"{where} must be a name or a system of python-control, got {briefly(system)}")
         if system.ninputs != 1 or system.noutputs != 1:
@@ -85,19 +86,51 @@ class Filter:
 
     @cached_property
     def colours(self) -> Colours:
-        """``|W(j omega)|^2`` as first-order terms, for one design."""
+        """``|W(j omega)|^2`` as first-order terms, for one design.
+
+        Raises
+        ------
+        ValueError
+            Poles of which no terms keep the digits.
+        """
+        best, least = self._colours(SHARES[0]), np.inf
+        for share in SHARES:
+            colours = self._colours(share)
+            error = self._error(colours)
+            if error < least:
+                best, least = colours, error
+            if least <= ENOUGH:
+                break
+        if least > LOST:
+            raise ValueError(
+                f"{self.where} has poles too close to the imaginary axis and to one another to keep digits"
+            )
+        return best
+
+    def _colours(self, share: float) -> Colours:
         level = np.array([[0.0 if self.strictly_proper else self.numerator[0] ** 2]])
-        terms = [term for cluster in self._clusters() for term in self._terms(cluster)]
+        terms = [term for cluster in self._clusters(share) for term in self._terms(cluster)]
         alphas, low = np.array(terms, dtype=complex).reshape(-1, 2).T[:, None]
         if not alphas.imag.any():
             alphas, low = alphas.real, low.real
         return Colours(level, alphas, low, np.zeros_like(low))
 
-    def _clusters(self) -> list[NDArray[Any]]:
+    def _error(self, colours: Colours) -> float:
+        """How far the terms are from ``|W|^2`` at most, over its peak, on frequencies about every pole."""
+        if not len(self.poles):
+            return 0.0
+        sizes = np.abs(self.poles)
+        about = np.abs(self.poles.imag[:, None] + np.outer(self.poles.real, np.linspace(-3.0, 3.0, 13))).ravel()
+        omega = np.concatenate([about, np.geomspace(0.01 * sizes.min(), 100.0 * sizes.max(), 60)])
+        power, squares = self.power(omega), colours.alphas[0] ** 2
+        terms = colours.level[0, 0] + ((colours.low[0] * squares)[:, None] / (squares[:, None] + omega**2)).sum(axis=0)
+        return float(np.max(np.abs(terms.real - power)) / power.max())
+
+    def _clusters(self, share: float) -> list[NDArray[Any]]:
         """Poles of the upper half plane, those together that lie close."""
         clusters: list[list[complex]] = []
         for pole in sorted(self.poles, key=abs):
-            near = [c for c in clusters if any(abs(pole - other) < CLUSTER * abs(pole.real) for other in c)]
+            near = [c for c in clusters if any(abs(pole - other) < share * abs(pole.real) for other in c)]
             clusters = [c for c in clusters if c not in near] + [[pole, *(other for c in near for other in c)]]
         found = [np.array(cluster) for cluster in clusters]
         return [cluster for cluster in found if cluster.mean().imag > -1e-12 * abs(cluster.mean())]
@@ -110,13 +143,15 @@ class Filter:
             slope = np.polyval(np.polyder(self.denominator), centre)
             residue = -2.0 * centre * np.polyval(self.numerator, centre) * self(-centre) / slope
             return [(-centre.real, (residue / centre**2).real)] if real else [(-centre, 2.0 * residue / centre**2)]
-        others = [abs(pole - centre) for pole in self.poles if not np.isin(pole, cluster)]
-        radius = REACH * min([-centre.real, *others])
-        turns = radius * np.exp(2j * np.pi * (np.arange(POINTS) + 0.5) / POINTS)
+        outside = min([-centre.real, *(abs(pole - centre) for pole in self.poles if not np.isin(pole, cluster))])
+        inside = np.abs(cluster - centre).max()
+        radius = max(np.sqrt(inside * outside), LEAST * outside)
+        count = next((n for n in POINTS if (radius / outside) ** n <= ENOUGH), POINTS[-1])
+        turns = radius * np.exp(2j * np.pi * (np.arange(count) + 0.5) / count)
         nodes = centre + turns
-        weights = turns / POINTS * self(nodes) * self(-nodes) * (-2.0 / nodes)
+        weights = turns / count * self(nodes) * self(-nodes) * (-2.0 / nodes)
         # Of a pole and its conjugate, or of points above and below the real axis, the real part counts twice.
-        counted = nodes.imag > 0.0 if real else np.ones(POINTS, dtype=bool)
+        counted = nodes.imag > 0.0 if real else np.ones(count, dtype=bool)
         return list(zip(-nodes[counted], 2.0 * weights[counted], strict=True))
 
     def filtered(self, y: NDArray[Any], step: float) -> NDArray[Any]:
