@@ -130,8 +130,8 @@ def output_density(
     """
     omega = 2.0 * np.pi * f
     H, s = model.relative_transfer(omega), 1j * omega[:, None]
-    turns = -1j * omega[:, None, None] * np.stack(np.broadcast_arrays(*delays(vehicle, road)), -1)[..., None, None, :]
-    lag = np.exp(turns)
+    turns = [-1j * omega * np.asarray(tau)[..., None] for tau in delays(vehicle, road)]
+    lags = [np.exp(turn)[..., None] for turn in turns]
     width = np.asarray(vehicle.track_width)[..., None]
     road = road.mapped(lambda x: np.asarray(x)[..., None])
     velocity = omega**2 * road.psd(f / road.speed) / road.speed
@@ -143,20 +143,21 @@ def output_density(
         if process.sign:
             apart = road.incoherence(f / road.speed, width)
             share = 0.5 * (apart if process.sign < 0 else 2.0 - apart)
-        # By each axle (designs..., F, outputs, axles), and by all together.
-        alone = (H @ process.weights.T) * lag
-        whole = alone.sum(axis=-1)
+        # By each axle, and by all together.
+        axles = process.axles
+        alone = [lags[j] * (H @ process.weights[j]) for j in axles]
+        whole: Any = sum(alone)
         rates, drift = integrated(model, process)
         if rates.any():
             # At low frequency the warp of an axle is large and nearly cancels the others': the sum first.
-            warp = (model.on_integrators @ np.moveaxis(rates, 0, -1))[..., None, :, :] / s[..., None]
-            late = warp * np.expm1(turns)
-            whole = whole + late.sum(axis=-1) + (model.on_integrators @ drift[..., None])[..., None, :, 0] / s
-            alone = alone + late + warp
+            warps = [(model.on_integrators @ rate[..., None])[..., None, :, 0] / s for rate in (*rates[axles], drift)]
+            late = [np.expm1(turns[j])[..., None] * warp for j, warp in zip(axles, warps, strict=False)]
+            whole = whole + sum(late, warps[-1])
+            alone = [one + more + warp for one, more, warp in zip(alone, late, warps, strict=False)]
         power = _squared(whole)
         if interference is not None:
             weight = interference[:, None]
-            power = weight * power + (1.0 - weight) * _squared(alone).sum(axis=-1)
+            power = weight * power + (1.0 - weight) * sum(map(_squared, alone))
         total = total + power * (share * velocity)[..., None]
     return np.asarray(total)
 
