@@ -246,10 +246,10 @@ def cross_validate(
     Notes
     -----
     Errors of runs left out share most of the runs that they were fitted to: intervals that take them for independent
-    are somewhat narrow. Thetas that have seen the runs left out flatter: found anew for every fold, errors of Kriging, co-
-    Kriging and Gaussian radial bases were 1.1 to 1.5 times as large in the median of plans of 10 and 20 runs, and up to 7
-    times in single ones. Runs of a space-filling plan leave a hole when left out, a run at the edge of the box an
-    extrapolation: the error of a fit to all of them tends to be smaller.
+    are somewhat narrow. Thetas that have seen the runs left out flatter: found anew for every fold, errors of Kriging,
+    co-Kriging and Gaussian radial bases were 1.1 to 1.5 times as large in the median of plans of 10 and 20 runs, and
+    up to 7 times in single ones. Runs of a space-filling plan leave a hole when left out, a run at the edge of the box
+    an extrapolation: the error of a fit to all of them tends to be smaller.
 
     Examples
     --------
