@@ -243,12 +243,12 @@ def test_the_same_vehicle_is_the_same_file(fmus, tmp_path):
     assert all(again.read(name) == zipfile.ZipFile(fmus["quarter"]).read(name) for name in names)
 
 
-@pytest.mark.parametrize("name", [name for name in CARS if name != "steered"])
+@pytest.mark.parametrize("name", CARS)
 def test_matrices_come_back_as_the_same_vehicle(name, tmp_path):
     car = CARS[name]
     back = ss.ride_metrics(read_system(ss.export(car, tmp_path / "car.mat")), ss.Road())
     truth = ss.ride_metrics(car, ss.Road())
-    for output in back:
+    for output in set(back) & set(truth):  # load transfers at an axle lie on a dim of the car's own
         np.testing.assert_allclose(back[output], truth[output], rtol=1e-7, err_msg=str(output))
     assert loadmat(tmp_path / "car.mat")["outputs"].ravel()[0].item().startswith("bacc")
 
