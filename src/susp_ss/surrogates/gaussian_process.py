@@ -36,6 +36,14 @@ class Kernel(NamedTuple):
     slope: Callable[[Any], Any]
 
 
+def _gaussian(t: Any) -> Any:
+    return -np.expm1(-t)
+
+
+def _gaussian_slope(t: Any) -> Any:
+    return np.exp(-t)
+
+
 def _matern(t: Any) -> Any:
     """``1 - (1 + a + a^2/3) exp(-a)``, where the incomplete gamma function is ``1 - (1 + a + a^2/2) exp(-a)``."""
     a = SQRT5 * np.sqrt(t)
@@ -49,7 +57,7 @@ def _matern_slope(t: Any) -> Any:
 
 # C. Rasmussen and C. Williams, Gaussian Processes for Machine Learning, 2006, Eqs 4.9 and 4.17.
 KERNELS = {
-    "gaussian": Kernel(lambda t: -np.expm1(-t), lambda t: np.exp(-t)),
+    "gaussian": Kernel(_gaussian, _gaussian_slope),
     "matern52": Kernel(_matern, _matern_slope),
 }
 

@@ -17,7 +17,7 @@ import sys
 import numba, numpy as np
 before = numba.config.CACHE_DIR
 from susp_ss.responses.covariance import compiler, struts_numba
-out = np.empty((2, 3, 4))
+out = np.empty((3, 4, 2))
 struts_numba.weighted(np.ones((2, 3, 4, 5)), np.array([1.0, 2.0]), 1, 2, out)
 assert (out == 3.0).all() and numba.config.CACHE_DIR == before
 sys.path.insert(0, sys.argv[1])
