@@ -149,7 +149,7 @@ UNITS: dict[str, dict[str, float]] = {
     "rad/s": {"rad/s": 1.0, "deg/s": math.pi / 180.0},
     "rad/s^2": {"rad/s^2": 1.0, "deg/s^2": math.pi / 180.0},
     "W": {"W": 1.0, "kW": 1e3},
-    "m/s": {"m/s": 1.0, "mm/s": 1e-3, "km/h": 1.0 / 3.6, "mph": 0.44704},
+    "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704, "mm/s": 1e-3},
     "m^3": {"m^3": 1.0, "cm^3": 1e-6},
     "cycle/m": {"cycle/m": 1.0, "rad/m": 0.5 / math.pi},
     "s": {"s": 1.0, "ms": 1e-3, "min": 60.0},

@@ -44,7 +44,7 @@ def export(vehicle: RoadVehicle, path: str | PathLike[str], force: bool = False)
     ``x' = A x + B u``, ``y = C x + D u``, with all outputs of the vehicle under their names, in SI units. The inputs
     ``u`` are the heights of the road under the wheels, ``z_r...`` in m; of a vehicle that passes the road's velocity
     straight on to an output (``ct > 0``, a rigid tyre), the rates of the heights, ``dz_r...`` in m/s. It starts at rest
-    on the first heights.
+    on the first heights. A `RideHandlingCar` moves at its own speed, and is steered and driven by further inputs.
 
     Parameters
     ----------
@@ -219,7 +219,8 @@ def _matlab(model: Realised, vehicle: RoadVehicle) -> bytes:
             if not re.fullmatch("[A-Za-z][A-Za-z0-9_]*", wheel):
                 raise ValueError(f"wheels: MATLAB needs a letter, then letters, digits and _, got {wheel!r}")
         table["wheels"] = {name: np.array(place, dtype=float) for name, place in vehicle.wheels.items()}
-    table |= {"wheelbase": float(vehicle.wheelbase), "track_width": float(vehicle.track_width)}
+    behind = [float(distance) for distance in vehicle.axles[1:]]
+    table |= {"wheelbase": np.array(behind) if behind else 0.0, "track_width": float(vehicle.track_width)}
     content = BytesIO()
     savemat(content, table, long_field_names=True)
     return content.getvalue()

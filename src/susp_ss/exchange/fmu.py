@@ -285,7 +285,7 @@ class FMU:
             "heights": self.heights,
             "road": repr(road),
             "wheels": {name: list(wheel) for name, wheel in like.wheels.items()},
-            "wheelbase": float(like.wheelbase),
+            "wheelbase": [float(distance) for distance in like.axles[1:]],
             "track width": float(like.track_width),
         }
         of |= dict(zip(("duration", "cut", "step", "seed"), times, strict=True))

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..quantities import signal
+from ..quantities import per_input, signal
 from ..responses.excitation import check_kinds
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.vehicle import Vehicle
@@ -37,7 +37,8 @@ class Constant(NamedTuple):
 class Realised:
     """``x' = A x + B u``, ``y = C x + D u``, from ``x = rest u`` at the first ``u``.
 
-    ``u`` are the heights of the road under the wheels; or their rates, where an output passes them straight on.
+    ``u`` are the heights of the road under the wheels, or their rates, where an output passes them straight on; then
+    whatever else drives the vehicle.
     """
 
     A: Array
@@ -69,6 +70,14 @@ def realised(vehicle: RoadVehicle) -> Realised:
         names, rest = layout.relative_states, np.zeros(B.shape)
     else:
         rest = -np.linalg.solve(A, B)
+    if layout.controls:
+        B_u, D_u = (x.reshape(x.shape[-2:]) for x in model.controls())
+        if not np.isfinite(B_u).all():
+            raise ValueError(
+                f"{type(vehicle).__name__}: without cornering stiffness, what it does when steered is not determined"
+            )
+        B, D = np.hstack([B, np.pad(B_u, [(0, len(A) - len(B_u)), (0, 0)])]), np.hstack([D, D_u])
+        rest = np.pad(rest, [(0, 0), (0, len(layout.controls))])
     if not model.second_order:
         # What no output sees is left out of a state space, so that its own names need not fit.
         names = tuple(f"x_{i}" for i in range(1, len(A) + 1))
@@ -78,7 +87,7 @@ def realised(vehicle: RoadVehicle) -> Realised:
         C,
         D,
         rest,
-        tuple(_road(name, by_rate) for name in layout.inputs),
+        (*(_road(name, by_rate) for name in layout.inputs), *map(_control, layout.controls)),
         tuple(_state(name) for name in names),
         tuple(Signal(r.name, r.quantity.unit, _at(r.quantity.meaning, r.place)) for r in layout.outputs.rows),
         _constants(vehicle) if isinstance(vehicle, Vehicle) else (),
@@ -92,6 +101,11 @@ def _road(name: str, by_rate: bool) -> Signal:
     if by_rate:
         return Signal(f"d{name}", "m/s", _at("rate of the road's height", wheel))
     return Signal(name, "m", _at("road height", wheel))
+
+
+def _control(name: str) -> Signal:
+    kind, _, place = name.partition("_")
+    return Signal(name, per_input(name), _at({"delta": "steering angle", "drive": "drive torque"}[kind], place))
 
 
 def _at(meaning: str, place: str) -> str:
@@ -117,6 +131,8 @@ def _constants(vehicle: Vehicle) -> tuple[Constant, ...]:
     for name, quantity in vehicle.quantities().items():
         own = zip(vehicle.wheels, vehicle.at_wheels(name), strict=True)
         for wheel, value in own if name in vehicle.per_corner else [("", getattr(vehicle, name))]:
+            if value is None:  # what a vehicle does without, such as compliant steering
+                continue
             constants.append(Constant(signal(name, wheel), quantity.unit, _at(quantity.meaning, wheel), float(value)))
     return tuple(constants)
 

@@ -119,6 +119,8 @@ def relative(A: Array, B: Array, C: Array, D: Array) -> tuple[Parted, Array]:
         )
         raise Growing(0.0, state, output)
     static = np.asarray(np.linalg.solve(parts.A, parts.B), dtype=float)
+    # What the solution leaves of a zero would count in full where an output sees nothing else.
+    static = np.where(beyond_rounding(static, np.abs(np.linalg.inv(parts.A)) @ np.abs(parts.B)), static, 0.0)
     felt, terms = D - parts.C @ static, np.abs(D) + np.abs(parts.C) @ np.abs(static)
     sizes = terms.max(axis=1, keepdims=True, initial=0.0)
     sizes[sizes == 0.0] = 1.0

@@ -83,6 +83,8 @@ def _vehicle(table: dict[str, Any], like: RoadVehicle | None) -> LinearVehicle:
         raise ValueError(f"states must be {n} names, as A has {n} rows, got {len(states)}")
     system = control.ss(*matrices.values(), inputs=inputs, outputs=outputs, states=states)
     own = {name: table[name] for name in PLACES if name in table}
+    if isinstance(own.get("wheelbase"), np.ndarray):
+        own["wheelbase"] = own["wheelbase"].tolist()
     if "wheels" in own and isinstance(own["wheels"], dict):
         own["wheels"] = {name: tuple(np.ravel(place).tolist()) for name, place in own["wheels"].items()}
     alone = sum(name.startswith(("z_r", "dz_r")) for name in inputs) == 1 and len(getattr(like, "wheels", ())) > 1
