@@ -79,7 +79,7 @@ def test_ranked_and_complete(small):
     assert list(small.index[-len(refused) :]) == list(refused.index)
     assert refused.distance.isna().all()
     assert refused.refused.str.contains("finite variance").all()
-    # One axle on two independent tracks, or one wheel, warps the car without bound; isotropic tracks cohere at long waves.
+    # One axle on independent tracks, or one wheel, warps the car without bound; isotropic tracks cohere at long waves.
     combinations = set(zip(refused.excited, refused.tracks, strict=True))
     assert combinations == {("front axle", "independent"), ("front right", "any")}
     roads = 6 + 3 + 2 + 1
