@@ -68,7 +68,7 @@ WRONG = {
     'cs = { csv = "none.csv" }': "none.csv",
     "cs = { csv = 3 }": "cs.csv must be the name of a file, got 3",
     "cs = { velocity = [1, 2], force = [1, 2] }": 'cs.velocity must be { value = ..., unit = "m/s" }, got [1, 2]',
-    f"cs = {{ {TABLE.replace('mm/s', 'knots')} }}": "cs.velocity.unit must be one of m/s, mm/s, km/h, mph, got 'knots'",
+    f"cs = {{ {TABLE.replace('mm/s', 'knots')} }}": "cs.velocity.unit must be one of m/s, km/h, mph, mm/s, got 'knots'",
     f"cs = {{ {TABLE.replace('0.1', '0.4')} }}": "must not fall, got 300 after 400 N at entry 3",
     f"ks = {{ {TABLE} }}": "ks must have value, or one of these: csv; deflection, force; value, stop, bump, rebound",
     'ks = { csv = "damper.csv" }': "line 1 must name the columns deflection, force, got velocity, force",

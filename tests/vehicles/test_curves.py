@@ -155,8 +155,9 @@ def test_what_needs_numbers_says_how_to_get_them(use):
 CSV = {
     "velocity,force\n-1,-100\n0,0\n1,50\n": None,
     "\ufeffforce,velocity\nkN,mm/s\n-0.1,-1000\n0,0\n\n0.05,1000\n": None,
+    "velocity;force\nmm/s;kN\n-1.000,0;-0,1\n0;0\n1000;0,05\n": None,
     "speed,force\n-1,-100\n1,50\n": "line 1 must name the columns velocity, force, got speed, force",
-    "velocity,force\nfurlong,N\n-1,-100\n1,50\n": "line 2: the unit of velocity must be one of m/s, mm/s",
+    "velocity,force\nfurlong,N\n-1,-100\n1,50\n": "line 2: the unit of velocity must be one of m/s, km/h, mph, mm/s",
     "velocity,force\n-1,-100\n0,x\n1,50\n": "line 3 must have two numbers, got 0,x",
     "velocity,force\n-1,-100\n0,60\n1,50\n": "line 4: force must not fall, got 50 after 60 N",
     "velocity,force\n-1,-100\n": "needs at least two rows",

@@ -297,7 +297,7 @@ class SpringCurve(Curve):
         Parameters
         ----------
         path : path
-            A CSV file in UTF-8, columns in any order. Without the line of units they are SI units.
+            A CSV file, as any program writes it, columns in any order. Without the line of units they are SI units.
 
         Raises
         ------

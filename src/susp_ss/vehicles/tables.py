@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..quantities import UNITS, Quantity, briefly
+from ..quantities import Quantity, briefly, units_of
+from ..units import factor_of
+from ..written import decimal_sign, like_number, number, text_table
 from .laws import Broken
 
 Array = NDArray[np.float64]
+
+FORCE = Quantity("force", "N", "force")
 
 
 def tabulated(name: str, across: Quantity, x: ArrayLike, force: ArrayLike) -> Broken:
@@ -61,25 +64,24 @@ def _fault(at: Array, forces: Array, across: Quantity) -> tuple[int | None, str]
 
 def read_table(across: Quantity, path: Path) -> tuple[Array, Array]:
     """Where a CSV table has forces, and these, in SI units; or say in which line it has none."""
-    names = (across.name, "force")
-    try:
-        rows = [(i, row) for i, row in enumerate(csv.reader(path.read_text("utf-8-sig").splitlines()), 1) if any(row)]
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: not UTF-8 text") from None
-    header = [cell.strip() for cell in rows[0][1]] if rows else []
-    if sorted(header) != sorted(names):
-        raise ValueError(f"{path}: line 1 must name the columns {', '.join(names)}, got {', '.join(header) or 'none'}")
-    rows, factors = rows[1:], dict.fromkeys(names, 1.0)
-    if rows and not any(map(_is_number, rows[0][1])):
-        factors = _factors(path, rows[0][0], dict(zip(header, rows[0][1], strict=False)), across.unit)
+    quantities = {across.name: across, "force": FORCE}
+    records, separator, _ = text_table(path)
+    line, header = records[0] if records else (1, [])
+    if sorted(header) != sorted(quantities):
+        need, got = ", ".join(quantities), ", ".join(header) or "none"
+        raise ValueError(f"{path}: line {line} must name the columns {need}, got {got}")
+    rows, factors = records[1:], dict.fromkeys(quantities, 1.0)
+    if rows and not any(map(like_number, rows[0][1])):
+        factors = _factors(path, rows[0][0], dict(zip(header, rows[0][1], strict=False)), quantities)
         rows = rows[1:]
-    columns: dict[str, list[float]] = {name: [] for name in names}
-    for line, row in rows:
-        if len(row) != 2 or not all(map(_is_number, row)):
-            raise ValueError(f"{path}: line {line} must have two numbers, got {','.join(row)}")
-        for name, cell in zip(header, row, strict=True):
-            columns[name].append(float(cell) * factors[name])
-    at, forces = (np.array(columns[name]) for name in names)
+    sign = decimal_sign(((f"{path}: line {line}", cell) for line, row in rows for cell in row), separator)
+    values = np.empty((len(rows), 2))
+    for i, (line, row) in enumerate(rows):
+        numbers = [number(cell, sign) for cell in row]
+        if len(row) != 2 or any(value is None or not np.isfinite(value) for value in numbers):
+            raise ValueError(f"{path}: line {line} must have two numbers, got {separator.join(row)}")
+        values[i] = numbers
+    at, forces = (factors[name] * values[:, header.index(name)] for name in quantities)
     fault = _fault(at, forces, across) if len(at) > 1 else (None, "...) needs at least two rows")
     if fault is not None:
         entry, said = fault
@@ -88,19 +90,13 @@ def read_table(across: Quantity, path: Path) -> tuple[Array, Array]:
     return at, forces
 
 
-def _factors(path: Path, line: int, stated: dict[str, str], unit: str) -> dict[str, float]:
-    units = {"force": UNITS["N"], ("velocity" if unit == "m/s" else "deflection"): UNITS[unit]}
-    for name, known in units.items():
-        if stated.get(name, "").strip() not in known:
-            raise ValueError(
-                f"{path}: line {line}: the unit of {name} must be one of {', '.join(known)}, got "
-                f"{stated.get(name, '').strip() or 'none'}"
-            )
-    return {name: known[stated[name].strip()] for name, known in units.items()}
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        return bool(np.isfinite(float(cell)))
-    except ValueError:
-        return False
+def _factors(path: Path, line: int, stated: dict[str, str], quantities: dict[str, Quantity]) -> dict[str, float]:
+    factors = {}
+    for name, quantity in quantities.items():
+        unit = stated.get(name, "")
+        factor = factor_of(unit, quantity)
+        if factor is None:
+            known = ", ".join(units_of(quantity.unit))
+            raise ValueError(f"{path}: line {line}: the unit of {name} must be one of {known}, got {unit or 'none'}")
+        factors[name] = factor
+    return factors
