@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 # Designs that a terminal bears; --out and --json hold all.
 PRINTED = 30
 
+# Share of the expensive model's responses that the bounds are to hold.
+INTERVAL = 0.95
+
 
 def run(
     surrogate: Annotated[Path, typer.Argument(metavar="FILE", help="surrogate.json of susp-ss fit.")],
@@ -54,15 +57,15 @@ def run(
 ) -> None:
     """Predict what an expensive model would give, by a surrogate fitted to it.
 
-    Prints every output, with its predictive standard deviation where the
-    surrogate has one, in the units of the runs of the fit, and says which designs lie
-    outside the runs of the fit: of the error there nothing is known. Few smooth
-    runs make the standard deviation too small; the fit's report tells how often
-    it held.
+    Prints every output between the bounds that are to hold 95 % of what the expensive
+    model would give, in the units of the runs of the fit, with the error at runs left
+    out, and says which designs lie outside the runs of the fit: of the error there
+    nothing is known, and no bounds hold.
 
     susp-ss predict fit/surrogate.json --at ks=18000,cs=1500
     """
     from .. import ExtrapolationWarning, load_surrogate
+    from ..surrogates.intervals import NoIntervalWarning
 
     if bool(at) == (grid is not None):
         raise Refusal("pass designs by --at NAME=VALUE,... or by --grid, one of the two")
@@ -71,20 +74,24 @@ def run(
     with refusals():
         fitted = load_surrogate(surrogate)
     designs = _designs(fitted, at) if at else _grid(fitted, grid or "")
-    with refusals(), warnings.catch_warnings():
+    with refusals(), warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", NoIntervalWarning)
         # The column outside says it, design by design.
         warnings.simplefilter("ignore", ExtrapolationWarning)
-        table = designs.join(fitted.predict(designs, return_std=True))
+        table = designs.join(fitted.predict(designs, interval=INTERVAL).dropna(axis="columns", how="all"))
+    lacking = [str(one.message) for one in caught if issubclass(one.category, NoIntervalWarning)]
     for name in table:
-        table[name] /= _scale(fitted, str(name).removesuffix("_std"))[1]
+        table[name] /= _scale(fitted, _own(str(name)))[1]
     table["outside"] = fitted.outside(designs)
     if out is not None:
         with refusals():
             write_together(out.parent, {out.name: lambda path: table.to_csv(path, index=False)})
     if as_json:
-        typer.echo(json.dumps(_document(fitted, table), indent=2))
+        typer.echo(json.dumps(_document(fitted, table, lacking), indent=2))
     else:
         _print(fitted, table)
+        for line in (*_errors(fitted), *lacking):
+            typer.echo(line)
 
 
 def _scale(fitted: "SuspensionSurrogate", name: str) -> tuple[str, float]:
@@ -150,8 +157,31 @@ def _settings(fitted: "SuspensionSurrogate", option: str, text: str) -> dict[str
     return settings
 
 
-def _document(fitted: "SuspensionSurrogate", table: "pd.DataFrame") -> dict[str, Any]:
+def _own(column: str) -> str:
+    """The input or output that a column is of."""
+    return column.removesuffix("_low").removesuffix("_high")
+
+
+def _rmse(fitted: "SuspensionSurrogate", output: str) -> float | None:
+    """The error at runs left out, in the unit of the fit's runs."""
+    rmse = fitted.left_out_rmse(output)
+    return None if rmse is None else rmse / _scale(fitted, output)[1]
+
+
+def _errors(fitted: "SuspensionSurrogate") -> list[str]:
+    known = {output: _rmse(fitted, output) for output in fitted.outputs}
+    return [
+        f"{output}: at runs left out of the fit the RMSE is {rmse:.3g} {_scale(fitted, output)[0]}"
+        for output, rmse in known.items()
+        if rmse is not None
+    ]
+
+
+def _document(fitted: "SuspensionSurrogate", table: "pd.DataFrame", lacking: list[str]) -> dict[str, Any]:
     return {
+        "interval": INTERVAL,
+        "no_interval": lacking,
+        "left_out_rmse": {output: _rmse(fitted, output) for output in fitted.outputs},
         "units": {name: _scale(fitted, name)[0] for name in (*fitted.inputs, *fitted.outputs)},
         "designs": table.to_dict("records"),
     }
@@ -160,7 +190,7 @@ def _document(fitted: "SuspensionSurrogate", table: "pd.DataFrame") -> dict[str,
 def _print(fitted: "SuspensionSurrogate", table: "pd.DataFrame") -> None:
     shown = Table()
     for name in map(str, table.drop(columns="outside")):
-        shown.add_column(titled(name, _scale(fitted, name.removesuffix("_std"))[0]), justify="right")
+        shown.add_column(titled(name, _scale(fitted, _own(name))[0]), justify="right")
     if table.outside.any():
         shown.add_column("")
     for row in table.head(PRINTED).itertuples(index=False):

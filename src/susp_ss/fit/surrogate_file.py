@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-import inspect
 import json
 import os
 import tempfile
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike
@@ -19,8 +19,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..quantities import briefly, quantity_of
 from ..roads.road import Road
+from ..surrogates.intervals import NoInterval, NoIntervalWarning
+from ..surrogates.kriging import CoKriging, Kriging
 from ..surrogates.numbers import from_numbers, to_numbers
-from ..surrogates.regressor import Surrogate
+from ..surrogates.regressor import ExtrapolationWarning, Surrogate
 from ..units import factor_of
 from ..vehicles.files import utf8_text, vehicle_of, vehicle_table
 from .low_fidelity import LowFidelity
@@ -71,7 +73,9 @@ class SuspensionSurrogate:
     accuracy: dict[str, dict[str, Any]] = field(default_factory=dict)
     stated: dict[str, str] = field(default_factory=dict)
 
-    def predict(self, designs: pd.DataFrame | Mapping[str, ArrayLike], return_std: bool = False) -> pd.DataFrame:
+    def predict(
+        self, designs: pd.DataFrame | Mapping[str, ArrayLike], return_std: bool = False, interval: float | None = None
+    ) -> pd.DataFrame:
         """Predict every output at designs.
 
         Parameters
@@ -80,6 +84,9 @@ class SuspensionSurrogate:
             The inputs by name, in any order.
         return_std : bool
             Add ``<output>_std`` where the surrogate has a predictive standard deviation.
+        interval : float, optional
+            Add ``<output>_low`` and ``<output>_high``, between which this share of new responses is to lie, such as
+            0.95; of an output without interval they are NaN.
 
         Returns
         -------
@@ -95,15 +102,32 @@ class SuspensionSurrogate:
         -----
         ExtrapolationWarning
             Designs outside the box of the runs.
+        NoIntervalWarning
+            An output has no interval, with the reason: its errors at runs left out are not known, as of files of
+            earlier versions, or there are too few runs.
         """
         X = self._designs(designs)
         predicted: dict[str, NDArray[np.float64]] = {}
         for name, model in self.models.items():
-            if return_std and "return_std" in inspect.signature(model.predict).parameters:
-                predicted[name], predicted[f"{name}_std"] = model.predict(X, return_std=True)
-            else:
-                predicted[name] = model.predict(X)
+            predicted[name] = model.predict(X)
+            if return_std and isinstance(model, Kriging | CoKriging):
+                predicted[f"{name}_std"] = _quietly(model, X, return_std=True)[1]
+            if interval is not None:
+                predicted[f"{name}_low"], predicted[f"{name}_high"] = self._bounds(name, X, interval).T
         return pd.DataFrame(predicted, index=X.index)
+
+    def left_out_rmse(self, output: str) -> float | None:
+        """RMSE of an output at runs left out of the fit, in its unit; None where it is not known."""
+        known = self.accuracy.get(output, {}).get("left_out")
+        rmse = known.get("RMSE") if isinstance(known, dict) else None
+        return float(rmse) if isinstance(rmse, float | int) and np.isfinite(rmse) else None
+
+    def _bounds(self, name: str, X: pd.DataFrame, interval: float) -> NDArray[np.float64]:
+        try:
+            return np.asarray(_quietly(self.models[name], X, interval=interval)[1])
+        except NoInterval as error:
+            warnings.warn(f"{name}: {error}", NoIntervalWarning, stacklevel=3)
+            return np.full((len(X), 2), np.nan)
 
     @property
     def box(self) -> dict[str, tuple[float, float]]:
@@ -163,6 +187,13 @@ class SuspensionSurrogate:
                 f"designs must have the columns {', '.join(self.inputs)}, got {', '.join(map(str, table.columns))}"
             )
         return table[list(self.inputs)]
+
+
+def _quietly(model: Surrogate, X: pd.DataFrame, **asked: Any) -> Any:
+    """A prediction of designs of which `ExtrapolationWarning` has been given."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ExtrapolationWarning)
+        return model.predict(X, **asked)
 
 
 def _road_table(road: Road) -> dict[str, Any]:

@@ -67,11 +67,16 @@ class _Correction(TunedModel):
     def _restore(self, found: dict[str, Any]) -> None:
         self.intercept_, self.coef_ = float(found["intercept"]), np.asarray(found["coef"], dtype=float)
 
-    def predict(self, X: ArrayLike) -> Array:
-        """Return the tuned response (n,) at the designs X (n, k)."""
-        designs = self._designs(X)
+    def _coefficients(self) -> Array:
+        return np.append(self.intercept_, self.coef_)
+
+    def _at(self, designs: Array) -> Array:
         columns, offset, _ = self._split(designs, evaluated(self.low_fidelity, designs))
         return offset + self.intercept_ + columns @ self.coef_
+
+    def _at_each(self, designs: Array, fits: Array) -> Array:
+        columns, offset, _ = self._split(designs, evaluated(self.low_fidelity, designs))
+        return offset[:, None] + fits[:, 0] + columns @ fits[:, 1:].T
 
 
 class ResponseBased(_Correction):
@@ -145,12 +150,17 @@ class ResponseBased(_Correction):
         self.intercept_, self.coef_ = a0, np.array([a1])
         return self
 
-    def predict(self, X: ArrayLike) -> Array:
-        """Return the tuned response (n,) at the designs X (n, k)."""
+    def _at(self, designs: Array) -> Array:
         if self.form == "linear":
-            return super().predict(X)
-        f = evaluated(self.low_fidelity, self._designs(X))
+            return super()._at(designs)
+        f = evaluated(self.low_fidelity, designs)
         return self.intercept_ * _positive("the low-fidelity response", f) ** self.coef_[0]
+
+    def _at_each(self, designs: Array, fits: Array) -> Array:
+        if self.form == "linear":
+            return super()._at_each(designs, fits)
+        f = _positive("the low-fidelity response", evaluated(self.low_fidelity, designs))
+        return fits[:, 0] * f[:, None] ** fits[:, 1]
 
     def _split(self, X: Array, f: Array) -> tuple[Array, Array, list[str]]:
         return f[:, None], np.zeros(len(f)), ["a0", "the low-fidelity response"]

@@ -14,7 +14,8 @@ from sklearn.utils.validation import check_X_y
 from threadpoolctl import threadpool_limits
 
 from ..quantities import briefly, whole_number
-from .regressor import Array
+
+Array = NDArray[np.float64]
 
 # Up to this many runs each is left out alone; beyond, a tenth of them at a time.
 ALONE, FOLDS = 30, 10

@@ -15,16 +15,13 @@ from ..quantities import briefly
 from .gaussian_process import KERNELS, LEAST_THETA, MOST_NOISE, MOST_THETA, Prediction, Process
 from .left_out import left_out
 from .low_fidelity import check_callable, evaluated
-from .regressor import DEPENDENT, Approximation, Array, independent
+from .regressor import BATCH, DEPENDENT, Approximation, Array, independent
 
 TRENDS = {"constant": 0, "linear": 1, "quadratic": 2}
 """Degrees of the trends that are monomials."""
 
 # A fit takes the third power of the runs, some hundred times; beyond this many it takes about this many seconds.
 MANY, SECONDS = 500, 3.0
-
-# Designs predicted at once: a prediction holds every distance from every run.
-BATCH = 1000
 
 
 class _GaussianProcess(Approximation):
@@ -60,15 +57,54 @@ class _GaussianProcess(Approximation):
             found.append((degree, Prediction(Z, responses, P, self.kernel, theta, noise)))
         self._take(*min(found, key=lambda one: one[1].deviance_with_trend))
 
-    def predict(self, X: ArrayLike, return_std: bool = False) -> Array | tuple[Array, Array]:
-        """Return the mean (n,) at the designs X (n, k), and on demand the standard deviation (n,) of a run there."""
+    def predict(self, X: ArrayLike, return_std: bool = False, *, interval: float | None = None) -> Any:
+        """Predict the responses at designs.
+
+        Parameters
+        ----------
+        X : array_like, (n, k), or DataFrame
+        return_std : bool
+            Also return the standard deviation of a run there.
+        interval : float, optional
+            Share of new responses that the bounds are to hold, by the jackknife+ as for every surrogate, with errors
+            in proportion to the standard deviation.
+
+        Returns
+        -------
+        ndarray (n,), or ndarray (n,) and ndarray (n,) or (n, 2)
+            The mean; with ``return_std`` also standard deviations, with an interval lower and upper bounds.
+
+        Raises
+        ------
+        ValueError
+            Bad designs or interval, both ``return_std`` and an interval, or runs too few for an interval.
+
+        Warns
+        -----
+        ExtrapolationWarning
+            Designs outside the box of the runs, where no interval holds.
+        """
+        if return_std and interval is not None:
+            raise ValueError("predict returns a standard deviation or an interval, got both; pass one of the two")
         designs = self._designs(X)
+        if interval is not None:
+            return self._with_interval(designs, interval)
+        mean = self._at(designs)
+        return (mean, self._std(designs)) if return_std else mean
+
+    def _at(self, designs: Array) -> Array:
+        return self._batched(self.process_.mean, designs)
+
+    def _std(self, designs: Array) -> Array:
+        return self._batched(self.process_.std, designs)
+
+    def _at_with_size(self, designs: Array) -> tuple[Array, Array]:
+        # Where a trend meets all runs, next to nothing: errors are then alike.
+        return self._at(designs), np.maximum(self._std(designs), np.finfo(float).tiny)
+
+    def _batched(self, of: Callable[[Array, Array], Array], designs: Array) -> Array:
         Z, P = self.box_.transform(designs), self._trend_at(designs)
-        batches = list(gen_batches(len(designs), BATCH))
-        mean = np.concatenate([self.process_.mean(Z[batch], P[batch]) for batch in batches])
-        if not return_std:
-            return mean
-        return mean, np.concatenate([self.process_.std(Z[batch], P[batch]) for batch in batches])
+        return np.concatenate([of(Z[some], P[some]) for some in gen_batches(len(designs), BATCH)])
 
     def predict_left_out(self, folds: Sequence[NDArray[np.intp]]) -> tuple[Array, Array]:
         """Predict runs by the others alone, in closed form, with the thetas, the noise and the trend of all.

@@ -11,11 +11,12 @@ from sklearn.utils.validation import check_is_fitted
 
 from ..quantities import briefly
 from .correction import ResponseBased, VariableBased
+from .intervals import left_out_of
 from .kriging import CoKriging, Kriging
 from .parameter import ParameterBased
 from .polynomial import Polynomial
 from .radial_basis import RadialBasis
-from .regressor import Surrogate
+from .regressor import ByCoefficients, Surrogate
 
 KINDS: dict[str, type[Surrogate]] = {
     kind.__name__: kind
@@ -35,7 +36,8 @@ def to_numbers(surrogate: Surrogate) -> dict[str, Any]:
     -------
     dict
         ``kind``, ``settings`` (the arguments of the class), ``columns`` (names, or null), ``box`` (lowest and highest
-        value of each column; null where there is no end) and ``found`` (what the fit found).
+        value of each column; null where there is no end) and ``found`` (what the fit found) and, of a surrogate of some
+        coefficients, ``left_out`` (what its fits without some runs found; null if there are none), for intervals.
 
     Raises
     ------
@@ -68,6 +70,7 @@ def to_numbers(surrogate: Surrogate) -> dict[str, Any]:
             for ends in (surrogate.lowest_, surrogate.highest_)
         ],
         "found": {name: _plain(name, value) for name, value in surrogate._numbers().items()},
+        **({"left_out": _left_out(surrogate)} if isinstance(surrogate, ByCoefficients) else {}),
     }
 
 
@@ -103,7 +106,17 @@ def from_numbers(numbers: Mapping[str, Any], low_fidelity: Callable[..., Any] | 
     if numbers["columns"] is not None:
         surrogate.feature_names_in_ = np.array(numbers["columns"], dtype=object)
     surrogate._restore(numbers["found"])
+    if isinstance(surrogate, ByCoefficients) and numbers.get("left_out") is not None:
+        surrogate._left_out = left_out_of(numbers["left_out"], len(surrogate._coefficients()))
     return surrogate
+
+
+def _left_out(surrogate: ByCoefficients) -> dict[str, Any] | None:
+    try:
+        found = surrogate.left_out()
+    except (ValueError, RuntimeError):
+        return None
+    return {name: _plain(name, value) for name, value in found._asdict().items()}
 
 
 def _plain(name: str, value: Any) -> Any:

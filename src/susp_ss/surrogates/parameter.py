@@ -122,10 +122,14 @@ class ParameterBased(TunedModel):
     def _restore(self, found: dict[str, Any]) -> None:
         self.parameter_, self.at_bound_ = float(found["parameter"]), found["at_bound"]
 
-    def predict(self, X: ArrayLike) -> NDArray[np.float64]:
-        """Return the cheap response (n,) at the designs X (n, k) with the tuned parameter."""
-        designs = self._designs(X)
+    def _coefficients(self) -> NDArray[np.float64]:
+        return np.array([self.parameter_])
+
+    def _at(self, designs: NDArray[np.float64]) -> NDArray[np.float64]:
         return evaluated(self.low_fidelity, designs, self.parameter_)
+
+    def _at_each(self, designs: NDArray[np.float64], fits: NDArray[np.float64]) -> NDArray[np.float64]:
+        return _at_values(self.low_fidelity, designs, fits[:, 0].tolist()).T
 
     def _bounds(self) -> tuple[float, float]:
         if self.bounds is None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import comb
 from sklearn.pipeline import Pipeline, make_pipeline
 from sklearn.preprocessing import PolynomialFeatures
@@ -14,13 +14,13 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from ..quantities import briefly, whole_number
 from .low_fidelity import evaluated
-from .regressor import DEPENDENT, Approximation, Array
+from .regressor import DEPENDENT, Approximation, Array, ByCoefficients
 
 # Taylor's steps, as a part of the centre: central differences of second order are then right to about this squared.
 STEP = 1e-3
 
 
-class Polynomial(Approximation):
+class Polynomial(ByCoefficients, Approximation):
     """Full polynomial of the design variables, by least squares.
 
     ``S(x) = a0 + sum a_i x^p_i`` over all powers p_i of a total degree from 1 to ``degree``, fitted by
@@ -70,13 +70,18 @@ class Polynomial(Approximation):
                 f"degree {self.degree} in {designs.shape[1]} variable(s) has {m} coefficients and needs at least {m} "
                 f"runs, got {n} sample(s)"
             )
+        return self._expanded(monomials, self._solved(columns, responses))
+
+    def _solved(self, columns: Array, responses: Array) -> Array:
+        """Coefficients (m,) of least squares on the monomials (n, m)."""
         coefficients, _, rank, _ = np.linalg.lstsq(columns, responses, rcond=DEPENDENT)
+        m = columns.shape[1]
         if rank < m:
             raise ValueError(
                 f"degree {self.degree} has {m} coefficients, of which these designs determine {rank} only; vary every "
                 f"column over at least {self.degree + 1} levels, not along a line or a curve, or lower the degree"
             )
-        return self._expanded(monomials, coefficients)
+        return np.asarray(coefficients, dtype=float)
 
     @classmethod
     def taylor(
@@ -151,10 +156,20 @@ class Polynomial(Approximation):
         monomials = self._monomials(np.asarray(found["box"], dtype=float))
         self._expanded(monomials, np.asarray(found["coef"], dtype=float))
 
-    def predict(self, X: ArrayLike) -> Array:
-        """Return the polynomial (n,) at the designs X (n, k)."""
-        designs = self._designs(X)
+    def _coefficients(self) -> Array:
+        return self.scaled_coef_
+
+    def _at(self, designs: Array) -> Array:
         return self.monomials_.transform(designs) @ self.scaled_coef_
+
+    def _at_each(self, designs: Array, fits: Array) -> Array:
+        return self.monomials_.transform(designs) @ fits.T
+
+    def _fit_to(self, rows: NDArray[np.intp]) -> Array:
+        """On the scaled columns of all runs."""
+        assert self._fitted_to is not None
+        designs, responses = self._fitted_to
+        return self._solved(self.monomials_.transform(designs[rows]), responses[rows])
 
     def formula(self) -> str:
         """Return the polynomial in physical units as text that a spreadsheet or a script can take.

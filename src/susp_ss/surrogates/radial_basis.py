@@ -133,9 +133,7 @@ class RadialBasis(Approximation):
         designs, responses = self._found_runs(found)
         self._interpolate(self.box_.transform(designs), responses)
 
-    def predict(self, X: ArrayLike) -> Array:
-        """Return the interpolant (n,) at the designs X (n, k)."""
-        designs = self._designs(X)
+    def _at(self, designs: Array) -> Array:
         return self.interpolator_(self.box_.transform(designs))
 
     def predict_left_out(self, folds: Sequence[NDArray[np.intp]]) -> tuple[Array, None]:

@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 
 from ..progress import tracked
-from ..quantities import briefly
 from . import bootstrap
 from .accuracy import Accuracy, accuracy
 from .folds import (
@@ -34,6 +33,7 @@ from .folds import (
     unfitted,
     uses_low_fidelity,
 )
+from .intervals import checked_share
 from .kriging import Kriging
 from .polynomial import Polynomial
 from .radial_basis import RadialBasis
@@ -260,7 +260,9 @@ def cross_validate(
     [-2.0, 1.0, -2.0]
     """
     X, y = checked_runs(X, y)
-    return _cross_validated(surrogate, X, y, split(X, folds, random_state), _checked_confidence(confidence), refit)
+    return _cross_validated(
+        surrogate, X, y, split(X, folds, random_state), checked_share("confidence", confidence), refit
+    )
 
 
 def held_out(surrogate: Any, X: ArrayLike, y: ArrayLike, confidence: float = 0.95) -> Validation:
@@ -297,7 +299,7 @@ def held_out(surrogate: Any, X: ArrayLike, y: ArrayLike, confidence: float = 0.9
     """
     X, y = checked_runs(X, y)
     outside = surrogate.outside(X) if hasattr(surrogate, "outside") else None
-    return Validation(y, *_predicted(surrogate, X), outside, _checked_confidence(confidence))
+    return Validation(y, *_predicted(surrogate, X), outside, checked_share("confidence", confidence))
 
 
 def compare(
@@ -348,7 +350,7 @@ def compare(
     """
     X, y = checked_runs(X, y)
     check_mapping(surrogates)
-    splits, confidence = split(X, folds, random_state), _checked_confidence(confidence)
+    splits, confidence = split(X, folds, random_state), checked_share("confidence", confidence)
     candidates = dict(surrogates)
     if all(map(uses_low_fidelity, candidates.values())):
         candidates |= _baselines()
@@ -436,9 +438,3 @@ def _row(validation: Validation, refit: bool) -> dict[str, Any]:
         "MAE": validation.accuracy.MAE,
         **({"RMSE_fixed": validation.rmse_fixed} if refit else {}),
     } | {name: np.nan if values is None else float(np.sum(values)) for name, values in known.items()}
-
-
-def _checked_confidence(confidence: Any) -> float:
-    if isinstance(confidence, bool) or not isinstance(confidence, float | int) or not 0.0 < confidence < 1.0:
-        raise ValueError(f"confidence must be a number between 0 and 1, got {briefly(confidence)}")
-    return float(confidence)
