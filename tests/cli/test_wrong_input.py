@@ -464,6 +464,9 @@ def test_predictions_are_in_the_units_of_the_fit(run, desk):
     (design,) = document["designs"]
     assert design["ks"] == 18.0
     assert design["sws"] == pytest.approx(here.predict({"ks": [18e3], "cs": [1500.0]}).sws[0], rel=1e-12)
+    bounds = here.predict({"ks": [18e3], "cs": [1500.0]}, interval=0.95).iloc[0]
+    assert (design["sws_low"], design["sws_high"]) == pytest.approx((bounds.sws_low, bounds.sws_high), rel=1e-12)
+    assert design["sws_low"] <= design["sws"] <= design["sws_high"]
     stated = run("predict", desk / "surrogate.json", "--at", "ks=18000N/m,cs=1.5Ns/mm", "--json").out
     assert json.loads(stated)["designs"][0]["sws"] == pytest.approx(design["sws"], rel=1e-12)
 

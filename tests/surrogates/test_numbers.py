@@ -39,6 +39,9 @@ def test_through_text_and_back(surrogate, named):
     fitted = clone(surrogate).fit(X, 10.0 + cheap(X, 0.7) ** 1.01)
     text = json.dumps(to_numbers(fitted), allow_nan=False)
     again = from_numbers(json.loads(text), cheap)
+    if not named:
+        bounds = (model.predict(T, interval=0.95)[1] for model in (again, fitted))
+        np.testing.assert_array_equal(*bounds)
     np.testing.assert_array_equal(again.predict(T), fitted.predict(T))
     np.testing.assert_array_equal(again.outside(T), fitted.outside(T))
     if hasattr(fitted, "theta_") or hasattr(fitted, "rho_"):
@@ -60,6 +63,25 @@ def test_thetas_of_any_number_of_variables(surrogate, k):
     assert fitted.theta_.shape == (k,)
     again = from_numbers(json.loads(json.dumps(to_numbers(fitted))), surrogate.get_params().get("low_fidelity"))
     np.testing.assert_array_equal(again.predict(X + 0.01), fitted.predict(X + 0.01))
+
+
+def test_old_numbers_have_no_interval():
+    X = np.arange(6.0)[:, None]
+    numbers = to_numbers(ss.Polynomial(degree=1).fit(X, X[:, 0] ** 2))
+    del numbers["left_out"]
+    with pytest.raises(ValueError, match="Polynomial has no interval: its errors at runs left out are not known; fit"):
+        from_numbers(numbers).predict(X, interval=0.9)
+
+
+@pytest.mark.parametrize(
+    ("part", "value"),
+    [("errors", [1.0, np.nan]), ("errors", []), ("folds", [0, 7]), ("folds", [0.5, 1.0]), ("fits", [[1.0]])],
+)
+def test_damaged_errors_are_refused(part, value):
+    numbers = to_numbers(ss.Polynomial(degree=1).fit([[0.0], [1.0], [2.0]], [1.0, 2.0, 4.0]))
+    numbers["left_out"] = {"errors": [1.0, 2.0], "folds": [0, 1], "fits": [[1.0, 2.0], [2.0, 3.0]]} | {part: value}
+    with pytest.raises(ValueError, match="left_out must"):
+        from_numbers(numbers)
 
 
 def test_every_kind_is_tested():

@@ -90,6 +90,8 @@ def run(
         typer.echo(json.dumps(_document(fitted, table, lacking), indent=2))
     else:
         _print(fitted, table)
+        if len(lacking) < len(fitted.outputs):
+            typer.echo(f"in brackets: bounds that are to hold {INTERVAL:.0%} of what the expensive model gives")
         for line in (*_errors(fitted), *lacking):
             typer.echo(line)
 
@@ -188,14 +190,19 @@ def _document(fitted: "SuspensionSurrogate", table: "pd.DataFrame", lacking: lis
 
 
 def _print(fitted: "SuspensionSurrogate", table: "pd.DataFrame") -> None:
-    shown = Table()
-    for name in map(str, table.drop(columns="outside")):
-        shown.add_column(titled(name, _scale(fitted, _own(name))[0]), justify="right")
+    shown, lowest = Table(), [f"{output}_low" for output in fitted.outputs if f"{output}_low" in table]
+    plain = [*fitted.inputs, *fitted.outputs]
+    for name in plain:
+        shown.add_column(titled(name, _scale(fitted, name)[0]), justify="right")
     if table.outside.any():
         shown.add_column("")
-    for row in table.head(PRINTED).itertuples(index=False):
-        *values, outside = row
-        shown.add_row(*(f"{value:.5g}" for value in values), *(["outside the runs"] if outside else []))
+    for _, row in table.head(PRINTED).iterrows():
+        between = {
+            low.removesuffix("_low"): f" ({row[low]:.5g} to {row[low.removesuffix('_low') + '_high']:.5g})"
+            for low in lowest
+        }
+        values = [f"{row[name]:.5g}{between.get(name, '')}" for name in plain]
+        shown.add_row(*values, *(["outside the runs"] if row.outside else []))
     print_table(shown)
     if len(table) > PRINTED:
         typer.echo(f"the first {PRINTED} of {len(table)} designs; --out FILE and --json give all")
