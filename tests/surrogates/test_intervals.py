@@ -66,7 +66,8 @@ def test_they_hold_new_responses(name):
 def test_few_runs_are_taken_for_normal():
     rng = np.random.default_rng(0)
     predicted, by_others, misses = rng.normal(size=3), rng.normal(size=(3, 5)), np.abs(rng.normal(size=5))
-    margin = stats.t(5).ppf(0.975) * np.sqrt(np.mean(misses**2))
+    jackknife = 4.0 / 5.0 * np.sum((by_others - predicted[:, None]) ** 2, axis=1)
+    margin = stats.t(5).ppf(0.975) * np.sqrt(np.mean(misses**2) + jackknife)
     expected = np.column_stack([predicted - margin, predicted + margin])
     np.testing.assert_allclose(jackknife_plus(predicted, by_others, misses, 0.95), expected)
 

@@ -71,8 +71,7 @@ class Surrogate(RegressorMixin, BaseEstimator):
         interval : float, optional
             Share of new responses that the bounds are to hold, such as 0.95, by the jackknife+ (R. Barber et al.,
             *Annals of Statistics* 49, 2021; its guarantee, for designs drawn as the runs were, is ``2 interval - 1``,
-            and what it holds is near ``interval``). Needs 19 runs for 95 %; with fewer, left-out errors are taken for
-            normal.
+            and what it holds is near ``interval``). Needs 19 runs for 95 %; with fewer, errors are taken for normal.
 
         Returns
         -------
