@@ -99,7 +99,7 @@ def verdict(path):
             raise AssertionError(f"not one line that begins with the file: {refusal!r}") from refusal
         return "refused"
     try:
-        surrogate.predict(designs, return_std=True)
+        surrogate.predict(designs, return_std=True, interval=0.95)
     except ValueError:
         return "asks for other columns" if list(surrogate.inputs) != COLUMNS else "refused at the design"
     return "taken"

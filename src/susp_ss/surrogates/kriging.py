@@ -258,6 +258,8 @@ class Kriging(_GaussianProcess):
     The standard deviation is that of a run, with its own noise and the uncertainty of the trend, but takes thetas and
     noise for known and the correlation for right. On smooth responses such as RMS values it is too small: intervals
     meant for 95 % of new designs held 40 to 65 % of them after 10 runs, 60 to 75 % after 20 and 80 to 95 % after 60.
+    Scaled by the errors of the closed form, whose thetas have seen all runs, they held at most 10 % more. For bounds
+    that hold, ``predict(X, interval=0.95)`` finds thetas anew without each run.
 
     Examples
     --------
