@@ -1,7 +1,7 @@
 """How many new responses the 95 % intervals of predictions hold, by surrogate and number of runs.
 
-Runs of the full car's body acceleration, exact and with noise of 2 %; and of a table of an expensive model, exact and
-with the same noise, where one is named, such as ``examples/nonlinear_full_car.py --runs 520 --out runs.csv`` writes.
+Runs of the full car's body acceleration, exact and with noise of 2 %; and of the nonlinear car, exact and with the
+same noise, where a table of its runs is named, as ``examples/nonlinear_full_car.py --runs 520 --out runs.csv`` writes.
 Every draw takes other runs, and is tested at designs that it has not seen. Writes a table under ``benchmarks/results``.
 
     python benchmarks/intervals.py [runs.csv] [--draws 5]
@@ -78,7 +78,7 @@ def main():
     warnings.simplefilter("ignore")
     start, models = time.perf_counter(), {"linear car": linear_runs()}
     if asked.table:
-        models["table"] = runs_of(asked.table)
+        models["nonlinear car"] = runs_of(asked.table)
     body, least = [], 1.0
     for model, (X, y, road) in models.items():
         for noise in (0.0, NOISE):
