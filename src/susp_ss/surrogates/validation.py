@@ -37,7 +37,7 @@ from .intervals import checked_share
 from .kriging import Kriging
 from .polynomial import Polynomial
 from .radial_basis import RadialBasis
-from .regressor import Array, ExtrapolationWarning, beyond
+from .regressor import Array, ExtrapolationWarning, Surrogate, beyond
 
 
 @dataclass(frozen=True, eq=False)
@@ -388,6 +388,8 @@ def _cross_validated(
 def _fitted_anew(surrogate: Any, X: Any, y: Array, folds: Sequence[Fold]) -> tuple[Array, Array | None]:
     """Predictions and their standard deviations by a fit to the others of each fold."""
     parts = []
+    # Our own read numbers alone; a table would be checked anew in every fold, which takes as long as the fits.
+    X = np.asarray(X, dtype=float) if isinstance(surrogate, Surrogate) else X
     for i, (fitted, left_out) in enumerate(folds, 1):
         try:
             model = unfitted(surrogate).fit(rows(X, fitted), y[fitted])
