@@ -320,6 +320,8 @@ def test_undamped_frequencies_without_heights_are_the_full_cars():
             ValueError,
             "springs that hold the body up",
         ),
+        (lambda: ss.RideHandlingCar(height=5.0).rollover_threshold(), ValueError, "do not hold the body up"),
+        (lambda: ss.RideHandlingCar(ks=2e3, height=1.5).roll_gradient(), ValueError, "do not hold the body up"),
         (lambda: ss.sensitivity(CAR, ss.Road()), TypeError, "sensitivity needs"),
         (lambda: ss.simulate(CAR, np.zeros(5), np.arange(5.0), [1.0]), TypeError, "inputs must be a mapping"),
         (

@@ -336,7 +336,13 @@ class RideHandlingCar(FullCar):
 
     def cornered(self, output: str) -> Any:
         """An output of a flattened car per lateral acceleration, as it turns steadily: at any speed the same."""
-        return self.moving(np.minimum(self.speed, 0.5 * self.critical())).assemble().cornered(output)
+        model = self.moving(np.minimum(self.speed, 0.5 * self.critical())).assemble()
+        if not np.all(np.linalg.eigvalsh(model.stiffness)[..., 0] > 0.0):
+            raise ValueError(
+                f"{type(self).__name__} has springs that do not hold the body up, so that it turns nowhere steadily; "
+                "pass stiffer ones (ks, arb_front, arb_rear) or a lower height"
+            )
+        return model.cornered(output)
 
     def _over_designs(self, function: Callable[[Self], Any]) -> Any:
         space, flat = self.design_space(), self.flattened(self.design_space())

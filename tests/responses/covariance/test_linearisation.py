@@ -209,3 +209,19 @@ def test_a_damper_on_a_rigid_tyre_is_refused_by_place():
         ss.ride_metrics(ss.RigidTyreQuarterCar(cs=TWO, ms=np.array([300.0, 400.0])), ROAD)
     soft = ss.ride_metrics(ss.RigidTyreQuarterCar(ks=STOPS), ROAD)
     assert np.isfinite(soft.sws)
+
+
+@pytest.mark.parametrize(
+    "none",
+    [
+        ss.DamperCurve.two_slopes(bump=0.0, rebound=0.0),
+        ss.DamperCurve.digressive(bump=0.0, rebound=0.0, knee=0.2, final=0.3),
+        ss.DamperCurve([-30.0, -20.0, 20.0, 30.0], [-10.0, 0.0, 0.0, 10.0]),
+    ],
+)
+def test_a_damper_without_force_is_refused_by_place(none):
+    for car in (ss.QuarterCar(cs=none), ss.FullCar(cs=ss.Corners.axles(front=none, rear=TWO))):
+        with pytest.raises(ValueError, match=r"Car has a damper whose curve gives no force as it moves"):
+            ss.ride_metrics(car, ROAD)
+    with pytest.raises(ValueError, match=r"QuarterCar at \(design=1\) has a damper whose curve gives no force"):
+        ss.linearised(ss.QuarterCar(cs=ss.DamperCurve.two_slopes(bump=np.array([800.0, 0.0]), rebound=0.0)), ROAD)

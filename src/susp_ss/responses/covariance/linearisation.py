@@ -98,8 +98,8 @@ def linearised(vehicle: Vehicle, road: Road) -> Vehicle:
     Raises
     ------
     TypeError, ValueError
-        No vehicle or road; a damper or spring whose motion has no finite variance; a design that does not settle, by
-        its place.
+        No vehicle or road; a damper without force; a damper or spring whose motion has no finite variance; a design
+        that does not settle, by its place.
 
     Notes
     -----
@@ -160,6 +160,12 @@ def linearise(flat: Vehicle, space: DesignSpace, road: Road, designs: int = 1) -
     """Linearise a flattened vehicle's designs, which may be part of a sweep of more ``designs``."""
     N = space.size
     rounds = _Rounds(flat, road, N)
+    pushing = np.all([np.broadcast_to(rounds.first_cs[i], N) > 0.0 for i, *_ in rounds.damped], axis=0)
+    if not np.all(pushing):
+        raise ValueError(
+            f"{type(flat).__name__}{space.place(int(np.argmin(pushing)))} has a damper whose curve gives no force as "
+            "it moves; pass one that rises in bump or rebound"
+        )
     x = rounds.first()
     residual, last, step = (np.zeros_like(x) for _ in range(3))
     inverse = np.tile(-np.eye(x.shape[1]), (N, 1, 1))
