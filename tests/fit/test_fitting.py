@@ -304,6 +304,12 @@ def test_command_line_from_runs_to_predictions(run, runs_file, tmp_path, quick):
     assert ranking["outputs"]["sws"]["taken"] == ranking["outputs"]["sws"]["ranking"][0]["surrogate"]
 
 
+def test_the_cheap_model_may_be_a_whole_car(run, runs_file, quick):
+    out = run("fit", runs_file, "--inputs", "ks,cs", "--outputs", "bacc", "--at", "fr", "--low-fidelity", "full")
+    assert out.code == 0
+    assert "Cheap model: FullCar" in out.out
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -209,6 +209,13 @@ def test_five_curves_are_refused_not_dropped():
         plots.bode({f"{name} {i}": curve for i in range(5)})
 
 
+@pytest.mark.parametrize("wrap", [dict, lambda history: {"full": history}, lambda history: [history]])
+def test_steering_takes_cars_that_steer_alone(wrap):
+    time = np.arange(0.0, 0.1, 0.01)
+    with pytest.raises(TypeError, match=r"histories must be a mapping .* of a RideHandlingCar, got"):
+        plots.steering(wrap(ss.simulate(ss.FullCar(), 0.0 * time, time)))
+
+
 def test_area_below_the_spectra_is_the_variance():
     f = np.geomspace(1e-3, 1e3, 4000)
     figure = plots.psd(CARS, ROAD, "rr", f)

@@ -112,8 +112,13 @@ def run(
         ),
     ] = None,
     tune: Annotated[
-        str, typer.Option(metavar="PARAM", help="Parameter of the cheap model that the surrogate PB tunes.")
-    ] = "ms",
+        str | None,
+        typer.Option(
+            metavar="PARAM",
+            help="Parameter of the cheap model that the surrogate PB tunes.",
+            show_default="ms, or mb of a model of more wheels",
+        ),
+    ] = None,
     surrogate: Annotated[
         str | None,
         typer.Option(
@@ -194,7 +199,7 @@ def run(
             table = read_runs(path, *columns, stated, decimal=decimal, sheet=sheet)
         fit = fit_runs(
             table,
-            LowFidelity(vehicle, road, at, tune),
+            LowFidelity(vehicle, road, at, tune or ("ms" if hasattr(vehicle, "ms") else "mb")),
             choose=surrogate,
             folds=folds,
             held_out_runs=held_out,

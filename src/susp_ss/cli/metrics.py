@@ -158,7 +158,8 @@ def _weightings(given: list[str]) -> Any:
         return None
     if everywhere and len(named) > 1:
         raise Refusal(
-            f"--weighting {everywhere[0]} is for all accelerations; by output, pass bacc={everywhere[0]} and so on"
+            f"--weighting {everywhere[0]} is for bacc, pitch_acc and roll_acc; by output, pass "
+            f"bacc={everywhere[0]} and so on"
         )
     return everywhere[0] if everywhere else {output: name for output, _, name in named}
 

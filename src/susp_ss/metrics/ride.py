@@ -65,7 +65,9 @@ def ride_metrics(
     xarray.Dataset
         ``bacc`` (m/s^2) on point (cg, above each corner, and the ``points``), ``sws`` (m), ``dtl`` (N), the mean
         ``damper_power`` (W), ``tyre_deflection`` (m) and ``sws_rate`` (m/s) on corner, ``pitch_acc`` and ``roll_acc``
-        (rad/s^2) where the vehicle has them, ``seat_travel`` (m) on seat; a quarter car has no point or corner.
+        (rad/s^2) where the vehicle has them, ``seat_travel`` (m) on seat; a quarter car has no point or corner. A
+        `RideHandlingCar` adds ``ay`` (m/s^2), ``yaw_rate`` (rad/s), ``sideslip`` and ``roll`` (rad), ``load_transfer``
+        (N) on axle, ``load_transfer_ratio``, and ``slip_angle`` (rad) on corner.
         ``"time"`` adds ``<name>_stderr``. With curves, ``ride_height_shift`` (m) on corner is the mean deflection, bump
         positive, about which the others are. A variance that white road velocity makes infinite (tyre load with tyre
         damping; acceleration, tyre load and damper power on a rigid tyre) is `inf`.

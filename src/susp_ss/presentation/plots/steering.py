@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ...quantities import HANDLING, titled, typeset, units_of
+from ...written import briefly
 from .style import STYLE, WIDTH, add_grid, add_legend, panels, styled
 
 PANELS = {
@@ -33,6 +34,11 @@ def steering(histories: Mapping[str, xr.Dataset], ax: Any = None) -> Figure:
     -------
     matplotlib.figure.Figure
 
+    Raises
+    ------
+    TypeError
+        No mapping of such histories.
+
     Examples
     --------
     >>> import numpy as np
@@ -44,6 +50,13 @@ def steering(histories: Mapping[str, xr.Dataset], ax: Any = None) -> Figure:
     >>> [axes.get_ylabel() for axes in plots.steering({"20 m/s": turn}).axes]
     ['lateral acceleration (m/s²)', 'yaw rate (deg/s)', 'sideslip (deg)', 'roll (deg)']
     """
+    if not isinstance(histories, Mapping) or not all(
+        isinstance(history, xr.Dataset) and {*PANELS} <= {*history} for history in histories.values()
+    ):
+        raise TypeError(
+            'histories must be a mapping such as {"20 m/s": history} of what simulate returns of a RideHandlingCar, '
+            f"got {briefly(histories)}"
+        )
     with mpl.rc_context(STYLE):
         figure, given = panels(ax, 2, 2, (WIDTH, 3.8), sharex=True)
         for axes, (name, (word, unit)) in zip(given.flat, PANELS.items(), strict=True):
