@@ -9,8 +9,7 @@ import matplotlib as mpl
 import xarray as xr
 from matplotlib.figure import Figure
 
-from ...quantities import HANDLING, titled, typeset, units_of
-from ...written import briefly
+from ...quantities import HANDLING, briefly, titled, typeset, units_of
 from .style import STYLE, WIDTH, add_grid, add_legend, panels, styled
 
 PANELS = {
