@@ -343,3 +343,10 @@ def test_a_failure_leaves_nothing_half_written(study, tmp_path, monkeypatch, exi
     assert {name: (folder / name).read_bytes() for name in names(folder)} == before
     assert folder.exists() == existing
     assert not list(tmp_path.rglob(".susp_ss-*"))
+
+
+def test_a_study_of_a_car_with_curves_is_saved_with_its_figures(tmp_path):
+    car = ss.FullCar(cs=ss.DamperCurve.two_slopes(bump=800.0, rebound=2400.0))
+    study = ss.feasibility_study(ss.Road.iso8608("C", speed=20.0), nodes=(3, 3), vehicle=car)
+    ss.save(study, tmp_path / "results")
+    assert (tmp_path / "results" / "figures" / "bode_magnitude.png").stat().st_size > 1000

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 from ..extras import needing
 from ..fit.fitting import Fit
+from ..responses.covariance import linearised
 from ..study.feasibility import Study
 from ..study.published import FIGURES, SURROGATES
 from ..study.scan import Scan
@@ -157,7 +158,8 @@ def _study_figures(study: Study) -> Iterator[Figure]:
     for draw in (plots.response_surfaces, plots.error_map):
         for surrogate in SURROGATES:
             yield draw(study, surrogate)
-    yield plots.bode_magnitude(plots.study_curves(study.corner, study.vehicle, study.low_fidelity))
+    cars = (linearised(car, study.road) for car in (study.vehicle, study.low_fidelity))
+    yield plots.bode_magnitude(plots.study_curves(study.corner, *cars))
 
 
 # A fit
