@@ -96,6 +96,7 @@ def test_responses_to_steering(run):
         ("--cornering-rear 22e3 --speed 30", "unstable at 30 m/s, above its critical speed of 25.82 m/s"),
         ("--cornering-rear 22e3 --speeds 10:40:4", "unstable at 30 m/s, above its critical speed of 25.82 m/s"),
         ("--cornering 0", "--cornering must be > 0 N/rad at both axles"),
+        ("--speeds 0:10:3", "--speeds must be > 0 m/s, got '0:10:3'"),
         ("--cornering 800", "did you mean 800 N/deg"),
         ("--angle 0", "--angle must be another than zero"),
         ("--angle 5", "did you mean 5 deg"),

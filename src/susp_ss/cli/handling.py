@@ -120,6 +120,8 @@ def _by_speed(car: "RideHandlingCar", speeds: str | None, trust_units: bool) -> 
         values = np.linspace(10.0, min(40.0, 0.95 * critical), 7) if critical > 11.0 else np.array([0.9 * critical])
     else:
         values = nodes("--speeds", speeds, ROAD["speed"], trust_units)
+        if not min(values) > 0.0:
+            raise Refusal(f"--speeds must be > 0 m/s, got {speeds!r}")
     axis = xr.DataArray(values, {"speed": values}, "speed")
     return car.steady_state(speed=axis, delta_f=1.0)[list(GAINS)]
 
