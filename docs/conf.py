@@ -36,6 +36,8 @@ default_role = "py:obj"
 # Two hyphens begin an option.
 smartquotes = False
 nitpick_ignore = [("py:obj", name) for name in ("inf", "FACTORS", "LowFidelityResponse", "UNITS")]
+# What damper and spring curves share; each says it of itself.
+nitpick_ignore += [("py:class", "susp_ss.vehicles.curves.Curve")]
 
 autosummary_generate = True
 autodoc_typehints = "none"

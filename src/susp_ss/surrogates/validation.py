@@ -55,7 +55,7 @@ class Validation:
     confidence : float
         Of all intervals.
     fixed : ndarray, (n,), or None
-        Predicted with the thetas, noise or shape of a fit to all runs, where `predicted` found them anew for every
+        Predicted with the thetas, noise or shape of a fit to all runs, where ``predicted`` found them anew for every
         fold; None where there was no such choice.
     """
 
