@@ -26,9 +26,10 @@ def density(terms, omega):
 
 
 def agree(car, road, rtol):
+    """To rtol; what is zero by symmetry, to the rounding that an integral of large terms leaves of it."""
     exact, spectral = ss.ride_metrics(car, road), ss.ride_metrics(car, road, method="spectral")
     for name, data in spectral.items():
-        np.testing.assert_allclose(exact[name], data, rtol=rtol, atol=1e-12, err_msg=name)
+        np.testing.assert_allclose(exact[name], data, rtol=rtol, atol=1e-9, err_msg=name)
 
 
 @given(waviness=st.floats(1.2, 3.8), part=st.sampled_from([0, 1, -1]), width=st.floats(0.5, 3.0))

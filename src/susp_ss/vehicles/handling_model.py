@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .linear_model import LinearLayout, LinearModel
-from .second_order import ROUNDING, Array
+from .second_order import ROUNDING, Array, modes_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -145,8 +145,7 @@ def handling_modes(model: HandlingModel) -> pd.DataFrame:
 
     every, n = model.all_motions, model.stiffness.shape[-1]
     poles, vectors = model.rates[0], model.vectors[0]
-    keep = np.flatnonzero(poles.imag >= 0.0)
-    keep = keep[np.argsort(np.abs(poles[keep]), kind="stable")]
+    keep = modes_of(poles)
     poles, vectors = poles[keep], vectors[:, keep]
     # All motions of a mode of the states that forces depend on.
     w = (every.rates[0] @ vectors)[n : n + model.mass.shape[-1]] / poles

@@ -33,6 +33,17 @@ ROUNDING = 1e-12
 CARRIED = 1e-7
 
 
+# Of its modulus, an imaginary part that rounding gives to two equal real eigenvalues: the root of it.
+SPLIT = 1e-6
+
+
+def modes_of(eigenvalues: NDArray[np.complex128]) -> NDArray[np.int_]:
+    """Which eigenvalues of a real matrix are its modes, slowest first: one of each pair, and all that do not swing."""
+    creeping = np.abs(eigenvalues.imag) <= SPLIT * np.abs(eigenvalues)
+    modes = np.flatnonzero(creeping | (eigenvalues.imag > 0.0))
+    return modes[np.argsort(np.abs(eigenvalues[modes]), kind="stable")]
+
+
 class Row(NamedTuple):
     """One row of the output table; what is not public is no output of a plain state space."""
 

@@ -20,7 +20,7 @@ from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
 from .points import as_kind, checked_points, with_points
 from .seats import Seat, checked_seats, with_seats
-from .second_order import Layout
+from .second_order import Layout, modes_of
 from .systems import control_system
 
 if TYPE_CHECKING:
@@ -447,8 +447,7 @@ class Vehicle(RoadVehicle):
         model = self.single("modes()")
         n = len(model.layout.coordinates)
         eigenvalues, vectors = np.linalg.eig(model.A)
-        keep = np.flatnonzero(eigenvalues.imag >= 0.0)
-        keep = keep[np.argsort(np.abs(eigenvalues[keep]))]
+        keep = modes_of(eigenvalues)
         shapes = vectors[:n, keep] / vectors[np.argmax(np.abs(vectors[:n, keep]), axis=0), keep]
         poles = eigenvalues[keep]
         return pd.DataFrame(
