@@ -293,7 +293,7 @@ REFUSED = {
     "unbounded warp": ("metrics --wheels fr", "warp"),
     "weighting": ("metrics --weighting Wx", "no weighting named 'Wx'", "Wk"),
     "output of a weighting": ("metrics --weighting roll=We", "no output named 'roll'", "roll_acc"),
-    "two weightings": ("metrics --weighting Wk,Wd", "for all accelerations", "bacc=Wk"),
+    "two weightings": ("metrics --weighting Wk,Wd", "is for bacc, pitch_acc and roll_acc", "bacc=Wk"),
     "point": ("metrics --point driver", "--point must be NAME=X,Y", "driver"),
     "knee": ("metrics --knee 0.2", "--knee needs two exponents", "2:1.5"),
     "three exponents": ("metrics --waviness 2:3:2", "one exponent, or two", "2:3:2"),
