@@ -50,13 +50,13 @@ def curve_of(field: str, where: str, entry: dict[str, Any], folder: Path) -> Cur
         return _said(where, kind, *(_stated(f"{where}.{key}", entry[key], unit) for key, unit in _units(across)))
     rates = {key: entry[key] for key in form if key in (("bump", "rebound") if field == "cs" else ("value", "stop"))}
     factor = _factor(where, entry.get("unit"), PARAMETERS[field].unit)
-    numbers = {key: _number(f"{where}.{key}", rate) * factor for key, rate in rates.items()}
+    numbers = {key: file_number(f"{where}.{key}", rate) * factor for key, rate in rates.items()}
     if field == "ks":
         clearances = {key: _stated(f"{where}.{key}", entry[key], "m") for key in ("bump", "rebound")}
         return _said(where, SpringCurve.with_stops, ks=numbers["value"], stop=numbers["stop"], **clearances)
     if "knee" not in form:
         return _said(where, DamperCurve.two_slopes, **numbers)
-    final = _number(f"{where}.final", entry["final"])
+    final = file_number(f"{where}.final", entry["final"])
     return _said(
         where, DamperCurve.digressive, **numbers, knee=_stated(f"{where}.knee", entry["knee"], "m/s"), final=final
     )
@@ -101,6 +101,16 @@ def toml(value: Any) -> str:
     return f'"{value}"' if isinstance(value, str) else repr(value)
 
 
+def file_number(where: str, value: Any) -> float:
+    """A number of a file as a float, or a ValueError that names what is wrong with it."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError(f"{where} must be a number, got {briefly(value)}")
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{where} must be a finite number, got one of {len(str(value))} digits") from None
+
+
 def _units(across: Any) -> list[tuple[str, str]]:
     return [(across.name, across.unit), ("force", "N")]
 
@@ -111,8 +121,8 @@ def _stated(where: str, entry: Any, unit: str) -> Any:
         raise ValueError(f'{where} must be {{ value = ..., unit = "{unit}" }}, got {briefly(entry)}')
     factor, value = _factor(where, entry["unit"], unit), entry["value"]
     if isinstance(value, list):
-        return [_number(f"{where}.value", part) * factor for part in value]
-    return _number(f"{where}.value", value) * factor
+        return [file_number(f"{where}.value", part) * factor for part in value]
+    return file_number(f"{where}.value", value) * factor
 
 
 def _factor(where: str, unit: Any, si: str) -> float:
@@ -121,12 +131,6 @@ def _factor(where: str, unit: Any, si: str) -> float:
         got = "none" if unit is None else briefly(unit)
         raise ValueError(f"{where}.unit must be one of {', '.join(units)}, got {got}")
     return units[unit]
-
-
-def _number(where: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"{where} must be a number, got {briefly(value)}")
-    return float(value)
 
 
 def _said(where: str, make: Callable[..., Any], *given: Any, **named: Any) -> Any:

@@ -42,6 +42,11 @@ class Curve:
         curve.law, curve.said, curve.factor = law, said, factor
         return curve
 
+    def _tabulate(self, x: ArrayLike, force: ArrayLike) -> None:
+        name = type(self).__name__
+        self.law, self.factor = tabulated(name, self.across, x, force), 1.0
+        self.said = f"{name} of {np.size(x)} entries"
+
     def __mul__(self, factor: Any) -> Self:
         return self.of(self.law, self.said, self.factor * _factor(factor, type(self).__name__))
 
@@ -139,9 +144,7 @@ class DamperCurve(Curve):
     middling = 0.2
 
     def __init__(self, velocity: ArrayLike, force: ArrayLike):
-        name = type(self).__name__
-        self.law, self.factor = tabulated(name, self.across, velocity, force), 1.0
-        self.said = f"{name} of {np.size(velocity)} entries"
+        self._tabulate(velocity, force)
 
     @classmethod
     def two_slopes(cls, bump: Any, rebound: Any) -> DamperCurve:
@@ -155,7 +158,7 @@ class DamperCurve(Curve):
         (1600.0, [-2400.0, 800.0])
         """
         said = _call(f"{cls.__name__}.two_slopes", bump=bump, rebound=rebound)
-        bump, rebound = (_parameter(x, f"{cls.__name__}.two_slopes({n}=...)", CS) for n, x in _named(bump, rebound))
+        bump, rebound = (checked(x, f"{cls.__name__}.two_slopes({n}=...)", CS) for n, x in _named(bump, rebound))
         return cls.of(Broken((0.0,), (rebound, bump)), said)
 
     @classmethod
@@ -184,9 +187,9 @@ class DamperCurve(Curve):
         """
         where = f"{cls.__name__}.digressive"
         said = _call(where, bump=bump, rebound=rebound, knee=knee, final=final)
-        bump, rebound = (_parameter(x, f"{where}({n}=...)", CS) for n, x in _named(bump, rebound))
-        knee = _parameter(knee, f"{where}(knee=...)", Quantity("knee", "m/s", "", bound="> 0"))
-        final = _parameter(final, f"{where}(final=...)", Quantity("final", "", "", bound=">= 0"))
+        bump, rebound = (checked(x, f"{where}({n}=...)", CS) for n, x in _named(bump, rebound))
+        knee = checked(knee, f"{where}(knee=...)", Quantity("knee", "m/s", "", bound="> 0"))
+        final = checked(final, f"{where}(final=...)", Quantity("final", "", "", bound=">= 0"))
         if np.any(final > 1.0):
             raise ValueError(f"{where}(final=...) must be from 0 to 1, got {briefly(final)}")
         return cls.of(Digressive(bump, rebound, knee, final), said)
@@ -261,9 +264,7 @@ class SpringCurve(Curve):
     middling = 0.01
 
     def __init__(self, deflection: ArrayLike, force: ArrayLike):
-        name = type(self).__name__
-        self.law, self.factor = tabulated(name, self.across, deflection, force), 1.0
-        self.said = f"{name} of {np.size(deflection)} entries"
+        self._tabulate(deflection, force)
 
     @classmethod
     def with_stops(cls, ks: Any, stop: Any, bump: Any, rebound: Any) -> SpringCurve:
@@ -285,9 +286,9 @@ class SpringCurve(Curve):
         """
         where = f"{cls.__name__}.with_stops"
         said = _call(where, ks=ks, stop=stop, bump=bump, rebound=rebound)
-        ks, stop = (_parameter(x, f"{where}({n}=...)", PARAMETERS["ks"]) for n, x in (("ks", ks), ("stop", stop)))
+        ks, stop = (checked(x, f"{where}({n}=...)", PARAMETERS["ks"]) for n, x in (("ks", ks), ("stop", stop)))
         clear = Quantity("clearance", "m", "", bound="> 0")
-        bump, rebound = (_parameter(x, f"{where}({n}=...)", clear) for n, x in _named(bump, rebound))
+        bump, rebound = (checked(x, f"{where}({n}=...)", clear) for n, x in _named(bump, rebound))
         return cls.of(Broken((-rebound, bump), (ks + stop, ks, ks + stop)), said)
 
     @classmethod
@@ -362,10 +363,6 @@ def _call(name: str, **given: Any) -> str:
 
 def _named(bump: Any, rebound: Any) -> list[tuple[str, Any]]:
     return [("bump", bump), ("rebound", rebound)]
-
-
-def _parameter(value: Any, where: str, quantity: Quantity) -> Any:
-    return checked(value, where, quantity)
 
 
 def _factor(value: Any, name: str) -> Any:

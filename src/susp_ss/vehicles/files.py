@@ -30,7 +30,7 @@ from typing import Any
 from ..quantities import Quantity, briefly, units_of
 from ..units import Stated, factor_of, implausible
 from . import MODELS
-from .curve_files import KINDS, curve_entry, curve_of, is_curve, toml
+from .curve_files import KINDS, curve_entry, curve_of, file_number, is_curve, toml
 from .curves import Curve
 from .parameters import Corners
 from .seats import Seat, field_of
@@ -333,7 +333,7 @@ def _value(name: str, entry: Any, quantity: Quantity, wheels: tuple[str, ...], t
         where = f"{name}.{key}"
         if name in KINDS and isinstance(entry[key], dict):
             return curve_of(name, where, entry[key], folder)
-        value = _number(where, entry[key])
+        value = file_number(where, entry[key])
         far = "" if trust_units else implausible(Stated(value, unit), quantity)
         if far:
             raise ValueError(f"{where}: {far} State the unit, or trust the units as they are (--trust-units)")
@@ -347,15 +347,6 @@ def _value(name: str, entry: Any, quantity: Quantity, wheels: tuple[str, ...], t
         raise ValueError(f"{name} must have {need}, got {', '.join(keys) or 'none'}")
     values = {wheel: number(wheel) for wheel in wheels}
     return Corners(**values) if len(wheels) == 4 else tuple(values.values())
-
-
-def _number(where: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"{where} must be a number, got {briefly(value)}")
-    try:
-        return float(value)
-    except OverflowError:
-        raise ValueError(f"{where} must be a finite number, got one of {len(str(value))} digits") from None
 
 
 def _refuse_unknown(kind: str, table: dict[str, Any], known: tuple[str, ...], of: str) -> None:
