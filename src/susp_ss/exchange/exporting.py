@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import platform
 import re
 import shutil
@@ -21,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fit.whole_file import write_whole
 from ..vehicles.contract import RoadVehicle
 from .description import description, nominal
 from .realised import Realised, realised
@@ -97,24 +97,8 @@ def export(vehicle: RoadVehicle, path: str | PathLike[str], force: bool = False)
         raise FileExistsError(f"{target} exists already; pass force=True to replace it")
     model = realised(vehicle)
     content = _fmu(model, type(vehicle).__name__, target) if suffix == ".fmu" else _matlab(model, vehicle)
-    _write(target, content)
+    write_whole(target, content)
     return target
-
-
-def _write(target: Path, content: bytes) -> None:
-    """The whole file or none."""
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        # A file of mkstemp is its owner's alone.
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(name, 0o666 & ~mask)
-        os.replace(name, target)
-    except BaseException:
-        os.unlink(name)
-        raise
 
 
 # FMU

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
+from ..fit.whole_file import write_whole
 from ..quantities import briefly
 
 Design = tuple[float, ...]
@@ -61,7 +61,5 @@ class Kept:
         """Keep a run: the file has it whole or not at all."""
         self.runs[design] = responses
         if self.path is not None:
-            beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")
             held = {"asked": self.asked, "runs": [[list(x), y] for x, y in self.runs.items()]}
-            beside.write_text(json.dumps(held), encoding="utf-8")
-            os.replace(beside, self.path)
+            write_whole(self.path, json.dumps(held))

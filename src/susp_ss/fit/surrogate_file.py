@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
-import tempfile
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -26,6 +24,7 @@ from ..surrogates.regressor import ExtrapolationWarning, Surrogate
 from ..units import factor_of
 from ..vehicles.files import utf8_text, vehicle_of, vehicle_table
 from .low_fidelity import LowFidelity
+from .whole_file import write_whole
 
 FORMAT = "susp_ss surrogate"
 
@@ -148,12 +147,7 @@ class SuspensionSurrogate:
         OSError
             The file cannot be written; nothing half written is left.
         """
-        target = Path(path)
-        text = json.dumps(self.document(), indent=1, allow_nan=False) + "\n"
-        with tempfile.TemporaryDirectory(prefix=".susp_ss-", dir=target.parent) as scratch:
-            written = Path(scratch, target.name)
-            written.write_text(text, encoding="utf-8")
-            os.replace(written, target)
+        write_whole(Path(path), json.dumps(self.document(), indent=1, allow_nan=False) + "\n")
 
     def document(self) -> dict[str, Any]:
         """Everything, as JSON knows it."""
