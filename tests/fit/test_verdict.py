@@ -27,9 +27,10 @@ def few(f):
 
 def judge(X, y, low_fidelity=None, output="bacc", stated="m/s^2"):
     low_fidelity = low_fidelity or ss.LowFidelity(ss.QuarterCar(), ROAD, "fr")
-    surrogates = few(low_fidelity.response(output, INPUTS))
+    f = low_fidelity.response(output, INPUTS)
+    surrogates = few(f)
     comparison = ss.compare(surrogates, X, y)
-    return verdict(comparison, comparison.best, surrogates, X, y, low_fidelity, output, stated)
+    return verdict(comparison, comparison.best, surrogates, X, y, f(X), low_fidelity, output, stated)
 
 
 def test_of_mean_is_the_mean_fitted_anew_without_each_run():
@@ -135,5 +136,5 @@ def test_nothing_is_wrong_without_a_cheap_model():
     surrogates = {"plane": ss.Polynomial(1), "RBF": ss.RadialBasis()}
     comparison = ss.compare(surrogates, X, y)
     cheap = ss.LowFidelity(ss.QuarterCar(), ROAD, "fr")
-    found = verdict(comparison, comparison.best, surrogates, X, y, cheap, "roll_acc", "rad/s^2")
+    found = verdict(comparison, comparison.best, surrogates, X, y, None, cheap, "roll_acc", "rad/s^2")
     assert (found.predicts, found.unit, found.elsewhere) == (True, None, None)

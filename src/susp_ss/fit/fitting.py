@@ -226,17 +226,18 @@ def fit_runs(
             with one_blas_thread():
                 models = {name: unfitted(surrogates[name]).fit(X, y) for name in comparison.table.index}
         f, at = cheap[output], kept.responses[output].to_numpy()
+        own = None if f is None else evaluated(f, X.to_numpy())
         taken_here = comparison.best if choose is None else choose
         typed = ((name, formula(model, getattr(model, "low_fidelity", None))) for name, model in models.items())
         found[output] = OutputFit(
             comparison,
             taken_here,
             models,
-            None if f is None else accuracy(y, evaluated(f, X.to_numpy())),
+            None if own is None else accuracy(y, own),
             {name: held_out(model, kept.designs, at) for name, model in models.items()} if held_out_runs else {},
             learned,
             next(((name, text) for name, text in typed if text is not None), None),
-            verdict(comparison, taken_here, surrogates, X, y, low_fidelity, output, runs.stated[output]),
+            verdict(comparison, taken_here, surrogates, X, y, own, low_fidelity, output, runs.stated[output]),
         )
     asked = {
         "choose": choose,

@@ -101,6 +101,7 @@ def verdict(
     surrogates: Mapping[str, Any],
     X: pd.DataFrame,
     y: Array,
+    own: Array | None,
     low_fidelity: LowFidelity,
     output: str,
     stated: str,
@@ -116,6 +117,8 @@ def verdict(
         Those compared, unfitted.
     X : DataFrame, (n, k)
     y : ndarray, (n,)
+    own : ndarray, (n,), or None
+        What the cheap model has at the designs, if it has the output.
     low_fidelity : LowFidelity
     output : str
     stated : str
@@ -123,14 +126,13 @@ def verdict(
     """
     errors = of_mean(y), comparison.validations[chosen].residuals
     low, high = bootstrap.bounds(bootstrap.ratio, *errors, confidence=0.95)
-    f = low_fidelity.response(output, list(map(str, X)))
     return Verdict(
         float(bootstrap.ratio(*errors, axis=-1)),
         low,
         high,
         tuple(suspects(comparison, surrogates, X, y)),
-        None if f is None else _other_unit(f, X, y, output, stated),
-        None if f is None else _elsewhere(f, X, y, low_fidelity, output),
+        None if own is None else _other_unit(own, y, output, stated),
+        None if own is None else _elsewhere(own, X, y, low_fidelity, output),
     )
 
 
@@ -171,9 +173,9 @@ def _standing_out(found: Validation) -> Array:
     return np.abs(found.residuals) / (1.0 if found.std is None else np.maximum(found.std, np.finfo(float).tiny))
 
 
-def _other_unit(f: LowFidelityResponse, X: pd.DataFrame, y: Array, output: str, stated: str) -> OtherUnit | None:
+def _other_unit(own: Array, y: Array, output: str, stated: str) -> OtherUnit | None:
     """The unit in which the runs would be near the cheap model, where they are not."""
-    quantity, ratio = quantity_of(output), float(np.median(y / evaluated(f, X.to_numpy())))
+    quantity, ratio = quantity_of(output), float(np.median(y / own))
     if quantity is None or 1.0 / NEAR < ratio < NEAR or not ratio > 0.0:
         return None
     taken = factor_of(stated, quantity) or 1.0
@@ -182,11 +184,9 @@ def _other_unit(f: LowFidelityResponse, X: pd.DataFrame, y: Array, output: str, 
     return OtherUnit(ratio, unit) if explained[unit] < np.log(NEAR) else None
 
 
-def _elsewhere(
-    f: LowFidelityResponse, X: pd.DataFrame, y: Array, low_fidelity: LowFidelity, output: str
-) -> Elsewhere | None:
+def _elsewhere(own: Array, X: pd.DataFrame, y: Array, low_fidelity: LowFidelity, output: str) -> Elsewhere | None:
     """Another place or other tracks with which the cheap model, scaled and shifted, is much nearer to the runs."""
-    here = _line_errors(evaluated(f, X.to_numpy()), y)
+    here = _line_errors(own, y)
     best = None
     for setting, value, other in _alternatives(low_fidelity, output, X):
         there = _line_errors(evaluated(other, X.to_numpy()), y)
