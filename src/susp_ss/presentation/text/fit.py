@@ -120,8 +120,8 @@ def judged(fit: Fit, output: str) -> list[str]:
     """What is to be said first: whether anything predicts, and what may be wrong with the runs or the question."""
     found, unit = fit.outputs[output], fit.runs.units[output]
     verdict, r2 = found.verdict, found.comparison.table.R2[found.chosen]
-    bounds = f" (95 %: {verdict.low:.2g} to {verdict.high:.2g})" if math.isfinite(verdict.low) else ""
-    times = f"at runs left out the mean of the others errs {verdict.gain:.2g} times{bounds} as much"
+    bounds = f" (95 %: {_times(verdict.low)} to {_times(verdict.high)})" if math.isfinite(verdict.low) else ""
+    times = f"at runs left out the mean of the others errs {_times(verdict.gain)} times{bounds} as much"
     if verdict.predicts:
         lines = [f"{found.chosen} predicts {output}: {times}."]
     else:
@@ -152,6 +152,11 @@ def judged(fit: Fit, output: str) -> list[str]:
         said = {"place": f"at {value} (--at {value})", "tracks": f"on {value} tracks (--tracks {value})"}[setting]
         lines.append(f"{car} comes much nearer {said}: {100.0 * share:.0f} % of its error here. Was that meant?")
     return lines
+
+
+def _times(ratio: float) -> str:
+    """A ratio with two digits, never in powers of ten."""
+    return f"{float(f'{ratio:.2g}'):,.10g}"
 
 
 def tie(found: OutputFit) -> list[str]:
