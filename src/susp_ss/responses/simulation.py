@@ -166,7 +166,7 @@ def simulate(
 
 def _underway(
     vehicle: RoadVehicle, profile: Any, time: Any, speed: Any, step: Any
-) -> tuple[RoadVehicle, Heights | Way]:
+) -> tuple[Any, Heights | Way]:
     """The vehicle as it moves, and what its wheels meet."""
     if not isinstance(profile, xr.Dataset):
         if speed is not None or step is not None:
