@@ -28,7 +28,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "vehicles.parameters": ["Corners"],
         "vehicles.seats": ["Seat"],
         "roads": ["DEFAULT_ROAD", "Road"],
-        "responses": ["frequency_response", "psd", "simulate"],
+        "responses": ["coherence", "frequency_response", "invariant_points", "psd", "simulate", "transmissibility"],
         "responses.covariance": ["covariance", "linearised"],
         "metrics": ["Response", "ride_metrics", "sensitivity", "weighting"],
         "surrogates": [
