@@ -30,7 +30,17 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "roads": ["DEFAULT_ROAD", "Road"],
         "responses": ["frequency_response", "psd", "simulate"],
         "responses.covariance": ["covariance", "linearised"],
-        "metrics": ["Response", "ride_metrics", "sensitivity", "weighting"],
+        "metrics": [
+            "Comfort",
+            "Response",
+            "comfort",
+            "ride_metrics",
+            "running_rms",
+            "sensitivity",
+            "vdv",
+            "weighted",
+            "weighting",
+        ],
         "surrogates": [
             "CoKriging",
             "Comparison",

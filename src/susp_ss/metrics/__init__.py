@@ -1,8 +1,20 @@
-"""Ride metrics of vehicles on roads, their derivatives, and one metric as a function of a table of designs."""
+"""Ride metrics of vehicles on roads, their derivatives, comfort, and one metric as a function of a table of designs."""
 
+from .comfort import Comfort, comfort
 from .response import Response
 from .ride import ride_metrics
 from .sensitivity import sensitivity
+from .vibration import running_rms, vdv, weighted
 from .weightings import weighting
 
-__all__ = ["Response", "ride_metrics", "sensitivity", "weighting"]
+__all__ = [
+    "Comfort",
+    "Response",
+    "comfort",
+    "ride_metrics",
+    "running_rms",
+    "sensitivity",
+    "vdv",
+    "weighted",
+    "weighting",
+]
