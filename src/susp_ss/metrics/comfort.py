@@ -18,7 +18,7 @@ from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
 from .ride import ride_metrics
 from .vibration import rms, running_rms, vdv, weighted
-from .weightings import filters, say_weightings
+from .weightings import filter_of, filters, say_weightings
 
 
 class Axis(NamedTuple):
@@ -271,9 +271,10 @@ def _filtering(vehicle: RoadVehicle, weighting: Any) -> dict[str, Any]:
         return available
     if not isinstance(weighting, Mapping):
         raise TypeError(f'weighting must be by output, such as {{"bacc": "Wb"}}, got {briefly(weighting)}')
-    for name in weighting:
+    for name, one in weighting.items():
         if name not in available:
             raise ValueError(f"weighting: no acceleration named {briefly(name)}, available: {', '.join(available)}")
+        filter_of(one, f"weighting of {name}")
     return available | dict(weighting)
 
 
@@ -309,7 +310,7 @@ def _on_profile(
         vdv=reduced("bacc", vdv(up, t) * (seconds / run) ** 0.25),
         msdv=reduced("bacc", rms(sick, t) * np.sqrt(seconds)),
         mtvv=reduced("bacc", running_rms(up, t).max(axis=-1)),
-        crest_factor=reduced("bacc", np.abs(up).max(axis=-1)) / values.bacc,
+        crest_factor=reduced("bacc", np.abs(up).max(axis=-1)) / values.bacc.where(values.bacc > 0.0),
     )
     return values, seconds
 
@@ -319,9 +320,10 @@ def _judged(values: xr.Dataset, filtering: Mapping[str, Any], seconds: float) ->
     total = sum((AXES[name].k * values[name]) ** 2 for name in filtering) ** 0.5
     a8 = values.bacc * np.sqrt(seconds / DAY)
     values = values.assign(total=total, reaction=reaction(total), evdv=ESTIMATED * seconds**0.25 * values.bacc, a8=a8)
-    for value in ("action", "limit"):
-        values[f"a8_{value}_time"] = seconds * (A8[value] / a8) ** 2
-        values[f"vdv_{value}_time"] = seconds * (VDV[value] / values["vdv"]) ** 4
+    with np.errstate(divide="ignore"):  # On a level road no exposure is too long.
+        for value in ("action", "limit"):
+            values[f"a8_{value}_time"] = seconds * (A8[value] / a8) ** 2
+            values[f"vdv_{value}_time"] = seconds * (VDV[value] / values["vdv"]) ** 4
     for name, quantity in VALUES.items():
         if name in values:
             values[name].attrs = {"units": quantity.unit, "long_name": quantity.meaning}
