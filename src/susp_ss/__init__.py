@@ -37,6 +37,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
             "ride_metrics",
             "running_rms",
             "sensitivity",
+            "third_octaves",
             "vdv",
             "weighted",
             "weighting",

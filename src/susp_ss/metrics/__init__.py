@@ -4,6 +4,7 @@ from .comfort import Comfort, comfort
 from .response import Response
 from .ride import ride_metrics
 from .sensitivity import sensitivity
+from .third_octaves import third_octaves
 from .vibration import running_rms, vdv, weighted
 from .weightings import weighting
 
@@ -14,6 +15,7 @@ __all__ = [
     "ride_metrics",
     "running_rms",
     "sensitivity",
+    "third_octaves",
     "vdv",
     "weighted",
     "weighting",
