@@ -126,6 +126,16 @@ HANDLING = _table(
     Quantity("slip_angle", "rad", "slip angle of the tyre", "", shown="deg", dim="corner"),
 )
 """What a car that steers adds to them."""
+
+POSITIONS = _table(
+    Quantity("z_s", "m", "height of the body above where it stands on level ground", "z_s", dim="point"),
+    Quantity("z_u", "m", "height of the wheel above where it stands on level ground", "z_u", dim="corner"),
+    Quantity("z_r", "m", "height of the road under the wheel", "z_r", dim="corner"),
+    Quantity("pitch", "rad", "pitch angle of the body, positive nose down", shown="deg"),
+    Quantity("roll", "rad", "roll angle of the body, positive left up", shown="deg"),
+)
+"""Where body, wheels and road are over time."""
+
 SHIFT = Quantity("ride_height_shift", "m", "deflection of the suspension", dim="corner", statistic="mean")
 """How far curves of springs and dampers move the mean position of a suspension: bump positive, the body sinks."""
 
@@ -174,7 +184,7 @@ GROUPS = {
 PLACES = {"cg", *CORNERS, *MIDDLE, "middle", *GROUPS, "f", "r", "l"}
 """What may follow the name of a quantity: wheels, groups of them, ends and sides of half cars, and ``cg``."""
 
-DIMS = ("point", "corner", "axle", "seat", "state", "state_", "output", "input", "frequency", "time")
+DIMS = ("point", "corner", "axle", "seat", "state", "state_", "output", "input", "frequency", "time", "statistic")
 """Dims of results."""
 
 

@@ -12,10 +12,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy.signal
 from numpy.typing import NDArray
 
 from ..quantities import briefly
 from ..roads.colours import Colours
+from .first_order_hold import FirstOrderHold
 
 # Poles nearer to one another than a share of the way to the imaginary axis are taken together: the first share with
 # which the terms are |W|^2 to ENOUGH of its peak, else the best; what is then off by more than LOST is refused.
@@ -25,9 +27,6 @@ SHARES, ENOUGH, LOST = (0.03, 0.1, 0.2, 0.01, 0.4, 0.7, 1.0), 1e-11, 1e-7
 # the imaginary axis. The error falls as that ratio's power of the number of points; a smaller circle than LEAST of the
 # way would lose digits to the large values on it.
 LEAST, POINTS = 0.2, (16, 32, 64, 128)
-
-# Samples of a history that are filtered at once.
-BLOCK = 128
 
 
 class Filter:
@@ -158,31 +157,9 @@ class Filter:
         return list(zip(-nodes[counted], 2.0 * weights[counted], strict=True))
 
     def filtered(self, y: NDArray[Any], step: float) -> NDArray[Any]:
-        """Histories (outputs, T) filtered from rest, each taken as linear between samples and rising from zero.
-
-        The states advance exactly, a block of samples at once: what they are at its start and the samples within it
-        give all of its outputs, and the states at its end.
-        """
-        from scipy.linalg import toeplitz
-        from scipy.signal import cont2discrete, tf2ss
-
+        """Histories (outputs, T) filtered from rest, each taken as linear between samples."""
         if len(self.denominator) == 1:
             return np.asarray(self.numerator[0] * y)
-        A, B, C, D = cont2discrete(tf2ss(self.numerator, self.denominator), step, method="foh")[:4]
-        by_state, kicks = np.empty((BLOCK, len(A))), np.empty((BLOCK, len(A)))
-        row, column = C[0], B[:, 0]
-        for k in range(BLOCK):
-            by_state[k], kicks[-1 - k] = row, column
-            row, column = row @ A, A @ column
-        by_sample = toeplitz(np.concatenate([D[0], by_state[:-1] @ B[:, 0]]), np.zeros(BLOCK))
-        over_block = np.linalg.matrix_power(A, BLOCK)
-
-        outputs, samples = y.shape
-        blocks = -(-samples // BLOCK)
-        u = np.zeros((outputs, blocks * BLOCK))
-        u[:, :samples] = y
-        u = u.reshape(outputs, blocks, BLOCK)
-        x, kicked = np.zeros((outputs, blocks, len(A))), u @ kicks
-        for b in range(1, blocks):
-            x[:, b] = x[:, b - 1] @ over_block.T + kicked[:, b - 1]
-        return np.asarray((u @ by_sample.T + x @ by_state.T).reshape(outputs, -1)[:, :samples])
+        A, B, C, D = scipy.signal.tf2ss(self.numerator, self.denominator)
+        hold = FirstOrderHold(A, B, C, D, step)
+        return np.concatenate(list(hold.drive(y[:, None])), axis=-1)[:, 0]
