@@ -51,6 +51,9 @@ VDV = {"action": 9.1, "limit": 21.0}
 GAUSSIAN, ESTIMATED = 3.0**0.25, 1.4
 """VDV over root mean square and fourth root of time: of a Gaussian ride, and as ISO 2631-1 estimates it."""
 
+CREST, MTVV_RATIO, VDV_RATIO = 9.0, 1.5, 1.75
+"""Above these a root mean square underestimates shocks: peak and MTVV over it, VDV over it and fourth root of time."""
+
 TIMES = {
     f"{dose}_{value}_time": Quantity(
         f"{dose}_{value}_time",
@@ -86,21 +89,27 @@ class Comfort:
     Attributes
     ----------
     vehicle : Vehicle
-        With the points asked for.
+        Whose ride it is.
     road : Road or xarray.Dataset
         What it runs over.
+    points : dict
+        Points of the body that were asked for.
     speed : float or None
         On a profile, in m/s.
     duration : float
         Of the exposure, in s.
+    weighting : dict
+        Of each acceleration.
     metrics : xarray.Dataset
         The values, on the dims of a sweep and on point.
     """
 
     vehicle: RoadVehicle
     road: Road | xr.Dataset
+    points: dict[str, tuple[float, float]]
     speed: float | None
     duration: float
+    weighting: dict[str, Any]
     metrics: xr.Dataset
 
     @property
@@ -217,18 +226,18 @@ def comfort(
     True
     """
     check_kinds(vehicle)
-    if points is not None:
-        vehicle = vehicle.with_points(points)
-    filtering = _filtering(vehicle, weighting)
+    car = vehicle if points is None else vehicle.with_points(points)
+    filtering = _filtering(car, weighting)
     seconds = None if duration is None else positive("duration", duration, "s")
     if isinstance(road, xr.Dataset):
-        values, seconds = _on_profile(vehicle, road, filtering, seconds, speed, step)
+        values, seconds = _on_profile(car, road, filtering, seconds, speed, step)
     else:
         if speed is not None or step is not None:
             raise ValueError("speed and step are for a profile, a Dataset with left and right on x; a Road has its own")
         seconds = DAY if seconds is None else seconds
-        values = _on_road(vehicle, road, filtering, seconds)
-    return Comfort(vehicle, road, speed, seconds, _judged(values, filtering, seconds))
+        values = _on_road(car, road, filtering, seconds)
+    judged = _judged(values, filtering, seconds)
+    return Comfort(vehicle, road, dict(points or {}), speed, seconds, filtering, judged)
 
 
 def reaction(total: xr.DataArray) -> xr.DataArray:
@@ -240,6 +249,18 @@ def reaction(total: xr.DataArray) -> xr.DataArray:
         lambda values: words[np.digitize(values, edges)], total, dask="parallelized", output_dtypes=[words.dtype]
     )
     return named
+
+
+def doubtful(metrics: xr.Dataset) -> xr.DataArray:
+    """Where shocks make a weighted root mean square alone too little (ISO 2631-1:1997, 6.2.1 and 6.3.3).
+
+    Nowhere on a `Road`: there the ratio of the dose is 1.316.
+    """
+    a_w, seconds = metrics.bacc, metrics.attrs["duration"]
+    dosed = metrics["vdv"] > VDV_RATIO * seconds**0.25 * a_w
+    if "mtvv" not in metrics:
+        return dosed
+    return dosed | (metrics.mtvv > MTVV_RATIO * a_w) | (metrics.crest_factor > CREST)
 
 
 def spell_time(seconds: float) -> str:

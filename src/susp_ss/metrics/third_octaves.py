@@ -75,14 +75,13 @@ def third_octaves(
     10.0
     """
     check_kinds(vehicle, road)
-    if points is not None:
-        vehicle = vehicle.with_points(points)
-    filtering = filters(weighting, vehicle.layout())
-    if vehicle.curved:
-        vehicle = linearised(vehicle, road)
+    car: Any = vehicle if points is None else vehicle.with_points(points)
+    filtering = filters(weighting, car.layout())
+    if car.curved:
+        car = linearised(car, road)
     at, share = np.polynomial.legendre.leggauss(NODES)
     f = BANDS[:, None] * np.exp(HALF * at)
-    S = psd(vehicle, road, f.ravel())
+    S = psd(car, road, f.ravel())
     through = np.ones((S.sizes["output"], *f.shape))
     for row, name in enumerate(S.output.values.tolist()):
         one = filtering.get(metric_and_place(name)[0])

@@ -164,9 +164,7 @@ def simulate(
     return found.assign_coords(x=("time", way.x, {"units": "m", "long_name": "place of the first axle"}))
 
 
-def _underway(
-    vehicle: RoadVehicle, profile: Any, time: Any, speed: Any, step: Any
-) -> tuple[Any, Heights | Way]:
+def _underway(vehicle: RoadVehicle, profile: Any, time: Any, speed: Any, step: Any) -> tuple[Any, Heights | Way]:
     """The vehicle as it moves, and what its wheels meet."""
     if not isinstance(profile, xr.Dataset):
         if speed is not None or step is not None:

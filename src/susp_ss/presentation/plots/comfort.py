@@ -79,7 +79,7 @@ def third_octaves(curves: Mapping[str, xr.DataArray], ax: Any = None, limits: bo
             axes.plot([], [], color="0.55", linewidth=0.8, label="reduced comfort, not weighted (ISO 2631-1:1985)")
             axes.set_ylim(top=max(3.0 * top, 1.3 * limit.max(), 1.3 * reduced_comfort(LIMITED, "25 min").max()))
         add_grid(axes)
-        add_legend(figure, axes, inside=ax is not None, columns=4)
+        add_legend(figure, axes, inside=ax is not None, columns=2)
     return figure
 
 
