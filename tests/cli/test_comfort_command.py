@@ -38,7 +38,6 @@ def test_it_prints_the_report_and_writes_where_it_is_told(run, here):
     written = {path.name for path in (here / "deep/folder").iterdir()}
     assert written == {"comfort.csv", "comfort.json", "comfort.png"}
     assert run("comfort", "--model", "quarter", "--out", "deep/folder").code == 2
-    assert run("comfort", "--model", "quarter", "--out", "deep/folder", "--force").code == 0
     assert list(here.iterdir()) == [here / "deep"]
 
 

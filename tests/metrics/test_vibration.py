@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
@@ -119,6 +119,7 @@ def test_what_begins_is_averaged_over_what_was_not_there():
     np.testing.assert_allclose(exponential, 2.0 * np.sqrt(-np.expm1(-t / 2.0)), rtol=1e-9)
 
 
+@settings(max_examples=25)
 @given(st.lists(st.floats(-50.0, 50.0), min_size=3, max_size=40), st.floats(0.1, 10.0))
 def test_doses_scale_and_know_their_bounds(samples, factor):
     a, t = np.array(samples), 0.01 * np.arange(len(samples))

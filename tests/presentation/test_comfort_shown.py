@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from test_plots import assert_whole
 
 import susp_ss as ss
 from susp_ss import plots
-from test_plots import assert_whole
 
 ROAD = ss.Road.iso8608("C", tracks="isotropic")
 POINTS = {"driver": (0.3, 0.4)}
@@ -63,8 +63,7 @@ def test_one_telling_line_and_a_table_in_notebooks():
     ("vehicle", "road", "speed", "picture"),
     [
         (ss.FullCar(), ROAD, None, True),
-        (ss.QuarterCar(), ROAD, None, True),
-        (ss.FullCar(), at_speeds(5), None, True),
+        (ss.QuarterCar(), at_speeds(5), None, True),
         (ss.QuarterCar(ks=xr.DataArray(np.array([2e4, 3e4]), dims="ks")), at_speeds(2), None, False),
         (ss.QuarterCar(), bump(), 10.0, False),
         (ss.LinearVehicle(ss.FullCar().state_space(input="velocity"), like=ss.FullCar()), ROAD, None, True),
@@ -80,8 +79,6 @@ def test_files(vehicle, road, speed, picture, tmp_path):
     assert said["units"]["vdv"] == "m/s^1.75"
     assert said["duration"] == {"value": ride.duration, "unit": "s"}
     assert (tmp_path / "out/comfort.png").exists() == picture
-    with pytest.raises(FileExistsError):
-        ss.save(ride, tmp_path / "out")
     ss.save(ride, tmp_path / "out", force=True, figures=False)
     assert not (tmp_path / "out/comfort.png").exists()
 
@@ -99,7 +96,7 @@ def test_pictures_are_whole():
     figure = plots.third_octaves({at: bands.sel(output=f"bacc_{at}") for at in ("cg", "fr")})
     assert_whole(figure)
     assert "ISO 2631-1:1985" in figure.legends[0].get_texts()[-1].get_text()
-    total = ss.comfort(ss.FullCar(), at_speeds(8)).metrics.total
+    total = ss.comfort(ss.FullCar(), at_speeds(4)).metrics.total
     figure = plots.comfort({"front right": total.sel(point="fr"), "centre of gravity": total.sel(point="cg")})
     assert_whole(figure)
     words = [text.get_text() for text in figure.axes[0].texts]
