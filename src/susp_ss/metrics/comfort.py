@@ -56,10 +56,7 @@ CREST, MTVV_RATIO, VDV_RATIO = 9.0, 1.5, 1.75
 
 TIMES = {
     f"{dose}_{value}_time": Quantity(
-        f"{dose}_{value}_time",
-        "s",
-        f"exposure a day that reaches the {value} value of {word}, 2002/44/EC",
-        statistic="",
+        f"{dose}_{value}_time", "s", f"exposure a day that reaches the {value} value of {word}, 2002/44/EC"
     )
     for dose, word in (("a8", "A(8)"), ("vdv", "VDV"))
     for value in ("action", "limit")
@@ -252,7 +249,7 @@ def reaction(total: xr.DataArray) -> xr.DataArray:
 
 
 def doubtful(metrics: xr.Dataset) -> xr.DataArray:
-    """Where shocks make a weighted root mean square alone too little (ISO 2631-1:1997, 6.2.1 and 6.3.3).
+    """Where shocks make a weighted root mean square alone too little (ISO 2631-1:1997, 6.2 and 6.3.3).
 
     Nowhere on a `Road`: there the ratio of the dose is 1.316.
     """

@@ -55,6 +55,6 @@ def _doubts(comfort: Comfort) -> list[str]:
     at = f" at {', '.join(where.point.values[where.values].tolist())}" if where.dims == ("point",) else ""
     said = (
         f"Shocks{at}: a root mean square alone says too little of them (crest factor above 9, MTVV above 1.5 a_w, or "
-        "VDV above 1.75 a_w T^(1/4); ISO 2631-1, 6.2.1 and 6.3.3). Report MTVV or VDV beside it."
+        "VDV above 1.75 a_w T^(1/4); ISO 2631-1, 6.2 and 6.3.3). Report MTVV or VDV beside it."
     )
     return ["", textwrap.fill(said, 110)]
