@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..progress import tracked
 from ..quantities import briefly, whole_number
-from ..roads.profiles import synthesise
+from ..roads.profiles import wheel_heights
 from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import DesignSpace
@@ -248,7 +248,7 @@ def _mean_product(x: Array, y: Array, about_mean: bool = False) -> tuple[Array, 
 def heights_under(vehicle: RoadVehicle, road: Road, duration: float, step: float, seed: int) -> Array:
     """One realisation of the heights in m under each wheel, (wheels, T): periodic, with tracks and delay."""
     excited, taus = processes(vehicle, road), delays_met(vehicle, road)
-    z = synthesise(
+    z = wheel_heights(
         road,
         duration,
         step,
