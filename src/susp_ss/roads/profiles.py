@@ -1,4 +1,4 @@
-"""Road profiles: Gaussian realisations of a `Road`, over distance in two tracks or over time under any set of wheels."""
+"""Road profiles: Gaussian realisations of a `Road` over distance in two tracks, or over time under any wheels."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from scipy.special import zeta
 
@@ -17,7 +17,7 @@ from .road import Road
 Array = NDArray[np.float64]
 
 TRACK_WIDTH = 1.446
-"""``2 c`` of the study's Table 1, in m: how far apart tracks are where nothing else says."""
+"""How far apart tracks are where nothing else says, in m: ``2 c`` of the default car."""
 
 # Images of a folded spectrum that are added up one by one, and the nodes over a spectrum between which their sum, as
 # smooth as the spectrum is far up, is linear: to 1e-7 of itself.
@@ -42,7 +42,8 @@ def synthesise(
     Parameters
     ----------
     road : Road
-        One number for all that may be an array. With a ``contact_length`` the profile is what such a tyre makes of the road.
+        Of one speed, roughness and cutoff. With a ``contact_length`` the profile is what such a tyre makes of the
+        road.
     length, step : float
         Length of the profile and distance of its points in m; ``length / step`` is rounded to a whole number.
     seed : int
@@ -84,10 +85,10 @@ def synthesise(
         road, points, step, (1, -1), (0.0, 0.0), track_width, whole_number("seed", seed, 0), folded=False
     )
     made = {"road": road.describe(), "seed": seed, "track_width": track_width}
-    return profile_of(step * np.arange(points), left, right, made)
+    return profile_of(step * np.arange(points, dtype=float), left, right, made)
 
 
-def profile_of(x: Array, left: Array, right: Array, attributes: dict[str, Any] | None = None) -> xr.Dataset:
+def profile_of(x: ArrayLike, left: ArrayLike, right: ArrayLike, attributes: dict[str, Any] | None = None) -> xr.Dataset:
     """Two tracks over distance as the Dataset that every function takes as a profile."""
     profile = xr.Dataset(
         {"left": ("x", left, {"units": "m", "long_name": "height of the left track"})}
