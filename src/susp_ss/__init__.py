@@ -27,7 +27,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "vehicles.linear": ["LinearVehicle"],
         "vehicles.parameters": ["Corners"],
         "vehicles.seats": ["Seat"],
-        "roads": ["DEFAULT_ROAD", "Road", "iri", "mean_iri"],
+        "roads": ["DEFAULT_ROAD", "Road", "iri", "mean_iri", "synthesise"],
         "responses": ["frequency_response", "psd", "simulate"],
         "responses.covariance": ["covariance", "linearised"],
         "metrics": ["Response", "ride_metrics", "sensitivity", "weighting"],

@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..progress import tracked
 from ..quantities import briefly, whole_number
-from ..roads.profiles import synthesise
+from ..roads.profiles import positive, wheel_heights
 from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import DesignSpace
 from .excitation import check_kinds, check_stationary, delays, infinite_outputs, processes
 from .labels import labelled_outputs
+from .meeting import met
 from .stepping import History, Stepper
 
 Array = NDArray[np.float64]
@@ -35,46 +36,78 @@ SWINGING = 1e-6
 
 MOST_STEPS = 1e7
 
+# On a profile, in s.
+STEP = 0.001
+
 
 def simulate(
-    vehicle: RoadVehicle, profile: Any, time: ArrayLike, inputs: Mapping[str, ArrayLike] | None = None
+    vehicle: RoadVehicle,
+    profile: Any,
+    time: ArrayLike | None = None,
+    inputs: Mapping[str, ArrayLike] | None = None,
+    *,
+    speed: float | None = None,
+    step: float | None = None,
 ) -> xr.Dataset:
-    """Drive a vehicle over given road heights.
+    """Drive a vehicle over a profile at a speed, or over given heights under its wheels.
 
     The heights are taken as linear between samples and the states advance exactly (`control.forced_response`). The
     vehicle starts at rest in static equilibrium on the first heights, its further inputs at zero. Outputs that need the
     road's velocity (tyre damping, rigid tyre) take it from the heights by central differences.
+
+    On a profile the first axle goes from its first point to its last. Wheels on the left run on ``left``, on the right
+    on ``right``, on the centre line on the mean, each as far behind the first axle as its own axle is; what lies before
+    the first point is as high as it.
 
     Parameters
     ----------
     vehicle : Vehicle
         One number for every parameter, or a curve: that is taken as it is, by steps of fourth order (third at a kink)
         that resolve the stiffest spring's fastest swing; deflections keep four digits where stops are hit.
-    profile : array_like, (wheels, T), or mapping of wheel to (T,)
-        Road heights in m under each wheel, in the order of ``vehicle.wheels``; (T,) for a quarter car, or
-        one row for all wheels at once.
+    profile : xarray.Dataset, or array_like, (wheels, T), or mapping of wheel to (T,)
+        A profile: heights ``left`` and ``right`` in m on ``x``, m, rising, evenly spaced or not, linear between points.
+        Or road heights in m under each wheel, in the order of ``vehicle.wheels``; (T,) for a quarter car, or one row
+        for all wheels at once.
     time : array_like, (T,)
-        Evenly spaced instants in s.
+        Evenly spaced instants in s of such heights; on a profile they follow from ``speed`` and ``step``.
     inputs : mapping of str to array_like, (T,), optional
         What else drives the vehicle, linear between samples as well: ``delta_f`` (rad), ``drive_rr`` (N m) and so on
         of a `RideHandlingCar`; what is left out stays zero.
+    speed : float
+        In m/s, on a profile; a `RideHandlingCar` moves at it as well.
+    step : float
+        In s, on a profile, 0.001 by default.
 
     Returns
     -------
     xarray.Dataset
         On time, with the variables and dims of `ride_metrics`: ``bacc`` on point, ``sws``, ``dtl`` and the momentary
-        ``damper_power`` on corner, ``pitch_acc`` and ``roll_acc``.
+        ``damper_power`` on corner, ``pitch_acc`` and ``roll_acc``. On a profile, coordinate ``x`` on time is where the
+        first axle is, in m.
 
     Raises
     ------
     TypeError, ValueError
         Parameters that are arrays, times that are not evenly spaced, heights or inputs of the wrong shape or not
-        finite, an input that the vehicle has not.
+        finite, an input that the vehicle has not, a profile without a speed or not longer than the wheelbase.
 
     Examples
     --------
+    A ramp of 5 cm on the left, at 10 m/s:
+
     >>> import numpy as np
-    >>> from susp_ss import QuarterCar, simulate
+    >>> import xarray as xr
+    >>> from susp_ss import FullCar, simulate
+    >>> x = np.array([0.0, 5.0, 5.5, 40.0])
+    >>> ramp = xr.Dataset({"left": ("x", [0.0, 0.0, 0.05, 0.05]), "right": ("x", np.zeros(4))}, coords={"x": x})
+    >>> ride = simulate(FullCar(), ramp, speed=10.0)
+    >>> first = np.abs(ride.sws).idxmax("time")
+    >>> bool(first.sel(corner="rl") > first.sel(corner="fl") > 0.5)
+    True
+
+    Heights under the wheel of a quarter car:
+
+    >>> from susp_ss import QuarterCar
     >>> time = np.arange(0.0, 3.0, 0.005)
     >>> kerb = np.where(time > 0.5, 0.05, 0.0)
     >>> response = simulate(QuarterCar(), kerb, time)
@@ -90,8 +123,23 @@ def simulate(
     True
     """
     check_kinds(vehicle)
-    t = _checked_time(time)
-    z = _checked_profile(profile, tuple(vehicle.wheels), len(t))
+    at = {}
+    if isinstance(profile, xr.Dataset):
+        if time is not None:
+            raise ValueError("time must be left out on a profile, where instants follow from speed and step; got both")
+        if speed is None:
+            raise ValueError("speed must be given on a profile, in m/s: simulate(vehicle, profile, speed=20.0)")
+        vehicle = vehicle.moving(positive("speed", speed, "m/s"))
+        t, x, z = met(vehicle, profile, speed, STEP if step is None else step)
+        at["x"] = xr.Variable("time", x, {"units": "m", "long_name": "place of the first axle"})
+    else:
+        if speed is not None or step is not None:
+            raise ValueError(
+                "speed and step are for a profile, an xarray.Dataset with left and right on x; heights under the "
+                f"wheels need time instead, got {briefly(profile)}"
+            )
+        t = _checked_time(time)
+        z = _checked_profile(profile, tuple(vehicle.wheels), len(t))
     layout = vehicle.layout()
     given = _checked_inputs(inputs, layout.controls, type(vehicle).__name__, len(t))
     if vehicle.curved:
@@ -101,7 +149,7 @@ def simulate(
         y = _outputs(model, z, t, given)
         damping = model.damping[:, None] * y[layout.rates]
     power = damping * y[layout.rates]
-    history = labelled_outputs(layout, y[None], power[None], vehicle.design_space(), ("time",), {"time": t})
+    history = labelled_outputs(layout, y[None], power[None], vehicle.design_space(), ("time",), {"time": t, **at})
     history.time.attrs["units"] = "s"
     return history
 
@@ -160,11 +208,7 @@ def time_moments(flat: RoadVehicle, space: DesignSpace, road: Road, duration: fl
     sum of the powers of its harmonics, independent with variance equal to their square: the error follows from the
     record itself, ``var = sum P_k^2 / 2``.
     """
-    for name, value in (("duration", duration), ("step", step)):
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-            raise TypeError(f"{name} must be a number > 0 s, got {briefly(value)}")
-        if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} must be > 0 s and finite, got {briefly(value)}")
+    duration, step = positive("duration", duration, "s"), positive("step", step, "s")
     if duration < 100 * step:
         raise ValueError(f"duration must be at least 100 steps of {step} s, got {duration} s")
     seed = whole_number("seed", seed, 0)
@@ -248,7 +292,7 @@ def _mean_product(x: Array, y: Array, about_mean: bool = False) -> tuple[Array, 
 def heights_under(vehicle: RoadVehicle, road: Road, duration: float, step: float, seed: int) -> Array:
     """One realisation of the heights in m under each wheel, (wheels, T): periodic, with tracks and delay."""
     excited, taus = processes(vehicle, road), delays_met(vehicle, road)
-    z = synthesise(
+    z = wheel_heights(
         road,
         duration,
         step,
@@ -266,7 +310,7 @@ def delays_met(vehicle: RoadVehicle, road: Road) -> list[float]:
     return [float(tau) if delayed else 0.0 for tau in delays(vehicle, road)]
 
 
-def _checked_time(time: ArrayLike) -> Array:
+def _checked_time(time: Any) -> Array:
     t = np.asarray(time)
     if t.dtype.kind not in "iuf":
         raise TypeError(f"time must be numbers in s, got {briefly(time)}")

@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..quantities import briefly
 from .golden_car import BASE, mean_index, velocities
+from .profiles import SIDES, checked_tracks, positive
 from .road import Road
 
 Array = NDArray[np.float64]
-
-SIDES = ("left", "right")
 
 START = 11.0
 """Length in m over which the slope is taken in which the car starts: half a second of driving."""
@@ -72,18 +71,30 @@ def iri(x: ArrayLike | xr.Dataset, elevation: ArrayLike | None = None, segment: 
     >>> iri(x, 0.02 * x, segment=50.0).length.values.round(1).tolist()
     [50.0, 50.0, 50.0, 49.7]
     """
-    distances, heights, tracks = _profile(x, elevation)
-    ends, covered = _travelled(distances, heights)
-    if segment is None:
-        values = covered[:, -1] / (ends[-1] - ends[0])
-        return xr.DataArray(values, {"track": list(SIDES)}, "track", "iri", ATTRS) if tracks else float(values[0])
-    starts, edges = _segments(segment, distances, ends)
+    profile = x if isinstance(x, xr.Dataset) else None
+    if profile is not None and elevation is not None:
+        raise TypeError("iri: a profile has its own heights; leave elevation out")
+    distances, heights = _rows(x, elevation) if profile is None else checked_tracks(profile)
+    length = np.ptp(distances) if len(distances) else 0.0
+    if length < START - SAME:
+        raise ValueError(f"iri needs at least {START:g} m of profile, over which the car starts, got {length:g} m")
+    ends, travelled = _travelled(distances, heights)
+    edges = ends[[0, -1]] if segment is None else _edges(segment, distances, ends)
     lengths = np.diff(edges)
-    values = np.diff([np.interp(edges, ends, row) for row in covered]) / lengths
-    coords = {"segment": ("segment", starts, {"units": "m"}), "length": ("segment", lengths, {"units": "m"})}
-    if not tracks:
-        return xr.DataArray(values[0], coords, "segment", "iri", ATTRS)
-    return xr.DataArray(values, {"track": list(SIDES), **coords}, ("track", "segment"), "iri", ATTRS)
+    found = xr.DataArray(
+        np.diff([np.interp(edges, ends, row) for row in travelled]) / lengths,
+        {
+            "track": list(SIDES[: len(heights)]),
+            "segment": ("segment", edges[:-1], {"units": "m"}),
+            "length": ("segment", lengths, {"units": "m"}),
+        },
+        ("track", "segment"),
+        "iri",
+        ATTRS,
+    )
+    found = found.isel({} if profile is not None else {"track": 0}, drop=True)
+    found = found.isel({} if segment is not None else {"segment": 0}, drop=True)
+    return found if found.dims else found.item()
 
 
 def mean_iri(road: Road) -> Any:
@@ -121,37 +132,25 @@ def mean_iri(road: Road) -> Any:
     return mean.rename("iri").assign_attrs(ATTRS) if isinstance(mean, xr.DataArray) else mean
 
 
-def _profile(x: Any, elevation: Any) -> tuple[Array, Array, bool]:
-    """Distances (P,), heights (tracks, P), and whether they are those of a profile's two tracks."""
-    if isinstance(x, xr.Dataset):
-        if elevation is not None:
-            raise TypeError("iri: a profile has its own heights; leave elevation out")
-        for name in ("x", *SIDES):
-            if name not in x or x[name].dims != ("x",):
-                raise ValueError(f"iri: a profile must have left and right on dim x, got {briefly(dict(x.sizes))}")
-        named = {name: x[name].values for name in ("x", *SIDES)}
-    else:
-        named = {"x": x, "elevation": elevation}
-    rows = {}
-    for name, given in named.items():
+def _rows(x: Any, elevation: Any) -> tuple[Array, Array]:
+    """Distances and heights, one row each."""
+    rows = []
+    for name, given in {"x": x, "elevation": elevation}.items():
         row = np.asarray(given)
         if row.dtype.kind not in "iuf" or row.ndim != 1:
             raise TypeError(f"iri({name}=...) must be one row of numbers in m, got {briefly(given)}")
         if not np.isfinite(row).all():
             worst = int(np.argmin(np.isfinite(row)))
             raise ValueError(f"iri({name}=...) must be finite, got {row[worst]} at point {worst}")
-        rows[name] = row.astype(float)
-    distances, *heights = rows.values()
-    if len(heights[0]) != len(distances):
-        raise ValueError(f"iri needs one height at each distance, got {len(heights[0])} at {len(distances)}")
-    falling = np.flatnonzero(np.diff(distances) <= 0.0)
-    if falling.size:
-        i = int(falling[0])
+        rows.append(row.astype(float))
+    distances, heights = rows
+    if len(heights) != len(distances):
+        raise ValueError(f"iri needs one height at each distance, got {len(heights)} at {len(distances)}")
+    back = np.flatnonzero(np.diff(distances) <= 0.0)
+    if back.size:
+        i = int(back[0])
         raise ValueError(f"iri(x=...) must rise, got {distances[i + 1]:g} m after {distances[i]:g} m at point {i + 1}")
-    length = np.ptp(distances) if len(distances) else 0.0
-    if length < START - SAME:
-        raise ValueError(f"iri needs at least {START:g} m of profile, over which the car starts, got {length:g} m")
-    return distances, np.stack(heights), len(heights) == len(SIDES)
+    return distances, heights[None]
 
 
 def _travelled(x: Array, heights: Array) -> tuple[Array, Array]:
@@ -170,13 +169,10 @@ def _travelled(x: Array, heights: Array) -> tuple[Array, Array]:
     return x[: S + 1], np.pad(np.cumsum(travel, axis=1), [(0, 0), (1, 0)])
 
 
-def _segments(segment: Any, x: Array, ends: Array) -> tuple[Array, Array]:
-    """Where the segments start, and their edges."""
-    number = isinstance(segment, (int, float, np.integer, np.floating)) and not isinstance(segment, bool)
-    if not number:
-        raise TypeError(f"iri(segment=...) must be a length in m, got {briefly(segment)}")
-    widest = np.diff(x).max()
-    if not (np.isfinite(segment) and segment >= widest):
-        raise ValueError(f"iri(segment=...) must be at least a step of the profile, {widest:g} m, got {segment!r}")
-    starts = x[0] + segment * np.arange(np.ceil((ends[-1] - x[0]) / segment - SAME))
-    return starts, np.append(starts, ends[-1])
+def _edges(segment: Any, x: Array, ends: Array) -> Array:
+    """Where segments begin, and the last one ends."""
+    length, widest = positive("segment", segment), np.diff(x).max()
+    if length < widest:
+        raise ValueError(f"segment must be at least a step of the profile, {widest:g} m, got {length:g} m")
+    segments = np.ceil((ends[-1] - x[0]) / length - SAME)
+    return np.append(x[0] + length * np.arange(segments), ends[-1])
