@@ -30,7 +30,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "roads": ["DEFAULT_ROAD", "Road", "iri", "mean_iri", "synthesise"],
         "responses": ["frequency_response", "psd", "simulate"],
         "responses.covariance": ["covariance", "linearised"],
-        "metrics": ["Response", "ride_metrics", "sensitivity", "weighting"],
+        "metrics": ["Response", "rare_events", "ride_metrics", "sensitivity", "weighting"],
         "surrogates": [
             "CoKriging",
             "Comparison",

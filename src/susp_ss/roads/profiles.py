@@ -230,8 +230,9 @@ def _folded(road: Road, n: Array, sampling: float) -> Array:
 
 def positive(name: str, value: Any, unit: str = "m") -> float:
     """A finite number > 0, or a refusal that names the argument."""
+    need = f"> 0 {unit}".rstrip()
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise TypeError(f"{name} must be a number > 0 {unit}, got {briefly(value)}")
+        raise TypeError(f"{name} must be a number {need}, got {briefly(value)}")
     if not (np.isfinite(value) and value > 0.0):
-        raise ValueError(f"{name} must be > 0 {unit} and finite, got {briefly(value)}")
+        raise ValueError(f"{name} must be {need} and finite, got {briefly(value)}")
     return float(value)
