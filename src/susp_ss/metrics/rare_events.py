@@ -43,8 +43,8 @@ def rare_events(
 ) -> xr.Dataset:
     """How often a vehicle on a random road comes to its limits, and how far it goes.
 
-    On a Gaussian road every output is Gaussian, and passes a level ``a`` upwards ``sqrt(m2/m0) / (2 pi) exp(-a^2/2 m0)``
-    times a second (Rice 1945), with the moments ``m_k = int |omega|^k S d omega`` of its spectrum, all of them exact.
+    On a Gaussian road every output is Gaussian, and goes above a level ``sqrt(m2/m0) / (2 pi) exp(-level^2 / (2 m0))``
+    times a second (Rice 1945), with the moments ``m_k = int |omega|^k S d omega`` of its spectrum, all exact.
 
     Parameters
     ----------

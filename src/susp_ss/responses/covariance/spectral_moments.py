@@ -1,7 +1,7 @@
 """Moments of the spectra of outputs, ``m_k = int |omega|^k S d omega``: what rates and extremes are made of.
 
 Even ones are variances of the outputs and of their derivatives, rows ``Y``, ``Y A`` and ``Y A A`` of the same states.
-The first is a variance, too: ``|omega| = (2/pi) int_0^inf omega^2 / (alpha^2 + omega^2) d alpha`` is a sum of first-order
+The first is one, too: ``|omega| = (2/pi) int_0^inf omega^2 / (alpha^2 + omega^2) d alpha`` is a sum of first-order
 terms, and such terms may as well stand on the road. By the trapezoidal rule over ``ln alpha`` they are ``|omega|`` to
 1e-10; what they lack at either end has a closed form.
 """
