@@ -127,6 +127,15 @@ HANDLING = _table(
 )
 """What a car that steers adds to them."""
 
+POSITIONS = _table(
+    Quantity("z_s", "m", "height of the body above where it stands on level ground", "z_s", dim="point"),
+    Quantity("z_u", "m", "height of the wheel above where it stands on level ground", "z_u", dim="corner"),
+    Quantity("z_r", "m", "height of the road under the wheel", "z_r", dim="corner"),
+    Quantity("pitch", "rad", "pitch angle of the body, positive nose down", shown="deg"),
+    Quantity("roll", "rad", "roll angle of the body, positive left up", shown="deg"),
+)
+"""Where body, wheels and road are over time."""
+
 EVENTS = _table(
     Quantity("bump_rate", "1/s", "how often a suspension reaches its bump stop", dim="corner"),
     Quantity("rebound_rate", "1/s", "how often a suspension reaches its rebound stop", dim="corner"),
@@ -195,18 +204,8 @@ PLACES = {"cg", *CORNERS, *MIDDLE, "middle", *GROUPS, "f", "r", "l"}
 """What may follow the name of a quantity: wheels, groups of them, ends and sides of half cars, and ``cg``."""
 
 DIMS = (
-    "point",
-    "corner",
-    "axle",
-    "seat",
-    "state",
-    "state_",
-    "output",
-    "input",
-    "frequency",
-    "time",
-    "estimate",
-    "counting",
+    *("point", "corner", "axle", "seat", "estimate", "counting", "statistic"),
+    *("state", "state_", "output", "input", "frequency", "time"),
 )
 """Dims of results."""
 
