@@ -136,6 +136,25 @@ POSITIONS = _table(
 )
 """Where body, wheels and road are over time."""
 
+EVENTS = _table(
+    Quantity("bump_rate", "1/s", "how often a suspension reaches its bump stop", dim="corner"),
+    Quantity("rebound_rate", "1/s", "how often a suspension reaches its rebound stop", dim="corner"),
+    Quantity("lift_off_rate", "1/s", "how often a wheel leaves the ground", dim="corner"),
+    Quantity("bump_probability", "", "probability of reaching the bump stop over the stretch", dim="corner"),
+    Quantity("rebound_probability", "", "probability of reaching the rebound stop over the stretch", dim="corner"),
+    Quantity("lift_off_probability", "", "probability of a wheel leaving the ground over the stretch", dim="corner"),
+    Quantity("static_load", "N", "load of the tyre at rest", dim="corner"),
+    Quantity("bacc_highest", "m/s^2", "expected highest body vertical acceleration over the stretch", dim="point"),
+    Quantity("sws_highest", "m", "expected highest suspension deflection over the stretch", dim="corner"),
+    Quantity("dtl_highest", "N", "expected highest dynamic tyre load over the stretch", dim="corner"),
+    Quantity("bacc_crossings", "1/s", "how often body vertical acceleration passes zero upwards", dim="point"),
+    Quantity("sws_crossings", "1/s", "how often suspension deflection passes zero upwards", dim="corner"),
+    Quantity("dtl_crossings", "1/s", "how often dynamic tyre load passes zero upwards", dim="corner"),
+    Quantity("irregularity", "", "zero crossings over peaks of suspension deflection", dim="corner"),
+    Quantity("damage", "", "fatigue damage of the suspension spring over the stretch", dim="corner"),
+)
+"""Variables of `susp_ss.rare_events`, in their order."""
+
 SHIFT = Quantity("ride_height_shift", "m", "deflection of the suspension", dim="corner", statistic="mean")
 """How far curves of springs and dampers move the mean position of a suspension: bump positive, the body sinks."""
 
@@ -184,7 +203,10 @@ GROUPS = {
 PLACES = {"cg", *CORNERS, *MIDDLE, "middle", *GROUPS, "f", "r", "l"}
 """What may follow the name of a quantity: wheels, groups of them, ends and sides of half cars, and ``cg``."""
 
-DIMS = ("point", "corner", "axle", "seat", "state", "state_", "output", "input", "frequency", "time", "statistic")
+DIMS = (
+    *("point", "corner", "axle", "seat", "estimate", "counting", "statistic"),
+    *("state", "state_", "output", "input", "frequency", "time"),
+)
 """Dims of results."""
 
 

@@ -1,6 +1,7 @@
 """Ride metrics of vehicles on roads, their derivatives, comfort, and one metric as a function of a table of designs."""
 
 from .comfort import Comfort, comfort
+from .rare_events import rare_events
 from .response import Response
 from .ride import ride_metrics
 from .sensitivity import sensitivity
@@ -12,6 +13,7 @@ __all__ = [
     "Comfort",
     "Response",
     "comfort",
+    "rare_events",
     "ride_metrics",
     "running_rms",
     "sensitivity",

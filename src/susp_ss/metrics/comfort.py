@@ -12,8 +12,8 @@ import xarray as xr
 
 from ..quantities import METRICS, Quantity, briefly, titled
 from ..responses.excitation import check_kinds
-from ..responses.meeting import positive
 from ..responses.simulation import simulate
+from ..roads.profiles import positive
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
 from .ride import ride_metrics

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..quantities import briefly
 from ..responses.filters import Filter
-from ..responses.meeting import positive
+from ..roads.profiles import positive
 from .weightings import filter_of
 
 Array = NDArray[np.float64]

@@ -1,6 +1,17 @@
 """Roads: spectra of the surface under the wheels, and profiles drawn from them."""
 
-from .profiles import synthesise
+from .iri import iri, mean_iri
+from .profiles import synthesise, wheel_heights
 from .road import CLASSES, DEFAULT_ROAD, REFERENCE_WAVENUMBER, TRACKS, Road
 
-__all__ = ["CLASSES", "DEFAULT_ROAD", "REFERENCE_WAVENUMBER", "TRACKS", "Road", "synthesise"]
+__all__ = [
+    "CLASSES",
+    "DEFAULT_ROAD",
+    "REFERENCE_WAVENUMBER",
+    "TRACKS",
+    "Road",
+    "iri",
+    "mean_iri",
+    "synthesise",
+    "wheel_heights",
+]
