@@ -10,14 +10,14 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ..progress import tracked
-from ..quantities import briefly, whole_number
+from ..quantities import briefly, positive, whole_number
 from ..roads.profiles import wheel_heights
 from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import DesignSpace
 from .excitation import check_kinds, check_stationary, delays, infinite_outputs, processes
 from .labels import labelled_outputs
-from .meeting import met, positive
+from .meeting import met
 from .stepping import History, Stepper
 
 Array = NDArray[np.float64]

@@ -1,6 +1,16 @@
 """Roads: spectra of the surface under the wheels, and profiles drawn from them."""
 
+from .obstacles import obstacle
 from .profiles import synthesise, wheel_heights
 from .road import CLASSES, DEFAULT_ROAD, REFERENCE_WAVENUMBER, TRACKS, Road
 
-__all__ = ["CLASSES", "DEFAULT_ROAD", "REFERENCE_WAVENUMBER", "TRACKS", "Road", "synthesise", "wheel_heights"]
+__all__ = [
+    "CLASSES",
+    "DEFAULT_ROAD",
+    "REFERENCE_WAVENUMBER",
+    "TRACKS",
+    "Road",
+    "obstacle",
+    "synthesise",
+    "wheel_heights",
+]

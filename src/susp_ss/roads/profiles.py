@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from scipy.special import zeta
 
-from ..quantities import briefly, whole_number
+from ..quantities import briefly, positive, whole_number
 from .road import Road
 
 Array = NDArray[np.float64]
@@ -28,6 +28,8 @@ FOLD_NODES = 4097
 COHERENCE_NODES = 100
 
 MOST_POINTS = 1e8
+
+SIDES = ("left", "right")
 
 
 def synthesise(
@@ -74,7 +76,7 @@ def synthesise(
         raise TypeError(f"road must be a Road, such as Road.iso8608('B'), got {briefly(road)}")
     road.single("synthesise()")
     length, step, track_width = (
-        positive(name, value) for name, value in (("length", length), ("step", step), ("track_width", track_width))
+        positive(name, value, "m") for name, value in (("length", length), ("step", step), ("track_width", track_width))
     )
     points = round(length / step)
     if not 2 <= points <= MOST_POINTS:
@@ -96,6 +98,29 @@ def profile_of(x: ArrayLike, left: ArrayLike, right: ArrayLike, attributes: dict
         coords={"x": ("x", x, {"units": "m", "long_name": "distance"})},
     )
     return profile.assign_attrs(attributes or {})
+
+
+def checked_tracks(profile: xr.Dataset) -> tuple[Array, Array]:
+    """Points x (P,) and heights (left and right, P) of a profile in m, or say what is wrong with it."""
+    need = "profile must have left and right, heights in m on x"
+    for name in ("x", *SIDES):
+        if name not in profile.variables:
+            raise ValueError(f"{need}, got no {name!r} among {', '.join(map(str, profile.variables))}")
+        one = profile[name]
+        if one.dims != ("x",) or one.dtype.kind not in "iuf":
+            raise ValueError(f"{need}, got {name!r} of {one.dtype} on ({', '.join(map(str, one.dims))})")
+        if one.attrs.get("units", "m") != "m":
+            raise ValueError(f"{need}, got {name!r} in {one.attrs['units']}")
+        bad = np.flatnonzero(~np.isfinite(one.values))
+        if bad.size:
+            raise ValueError(f"profile must be finite, got {name!r} {one.values[bad[0]]} at point {bad[0]}")
+    x = profile["x"].values.astype(float)
+    if len(x) < 2:
+        raise ValueError(f"profile must have at least two points, got {len(x)}")
+    back = np.flatnonzero(np.diff(x) <= 0.0)
+    if back.size:
+        raise ValueError(f"profile must have rising x, got {x[back[0] + 1]:g} m after {x[back[0]]:g} m")
+    return x, np.stack([profile[name].values.astype(float) for name in SIDES])
 
 
 def wheel_heights(
@@ -200,12 +225,3 @@ def _folded(road: Road, n: Array, sampling: float) -> Array:
     scale = road.psd(IMAGES * sampling) * IMAGES**power
     far = scale * (zeta(power, IMAGES + 1.0 + x) + zeta(power, IMAGES + 1.0 - x))
     return np.asarray(road.psd(n) + np.interp(n / sampling, x, near + far))
-
-
-def positive(name: str, value: Any, unit: str = "m") -> float:
-    """A finite number > 0, or a refusal that names the argument."""
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise TypeError(f"{name} must be a number > 0 {unit}, got {briefly(value)}")
-    if not (np.isfinite(value) and value > 0.0):
-        raise ValueError(f"{name} must be > 0 {unit} and finite, got {briefly(value)}")
-    return float(value)
