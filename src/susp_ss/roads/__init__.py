@@ -1,6 +1,7 @@
 """Roads: spectra of the surface under the wheels, and profiles drawn from them."""
 
 from .obstacles import obstacle
+from .profile_files import read_profile
 from .profiles import synthesise, wheel_heights
 from .road import CLASSES, DEFAULT_ROAD, REFERENCE_WAVENUMBER, TRACKS, Road
 
@@ -11,6 +12,7 @@ __all__ = [
     "TRACKS",
     "Road",
     "obstacle",
+    "read_profile",
     "synthesise",
     "wheel_heights",
 ]
