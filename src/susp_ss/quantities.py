@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from numbers import Integral
+from numbers import Integral, Real
 from typing import Any, NamedTuple
 
 
@@ -349,3 +349,26 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None, nee
     if not whole or value < least or (most is not None and value > most):
         raise ValueError(f"{name} must be a whole number {need or f'>= {least}'}, got {briefly(value)}")
     return int(value)
+
+
+def positive(name: str, value: Any, unit: str) -> float:
+    """Return a number > 0 as float, or say what is wrong with it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        It is none, not finite or not > 0.
+
+    Examples
+    --------
+    >>> from susp_ss.quantities import positive
+    >>> positive("speed", -1.0, "m/s")
+    Traceback (most recent call last):
+    ValueError: speed must be > 0 m/s and finite, got -1.0
+    """
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{name} must be a number > 0 {unit}, got {briefly(value)}")
+    number = float(value)
+    if not (math.isfinite(number) and number > 0.0):
+        raise ValueError(f"{name} must be > 0 {unit} and finite, got {briefly(value)}")
+    return number

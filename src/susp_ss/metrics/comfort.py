@@ -10,10 +10,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from ..quantities import METRICS, Quantity, briefly, titled
+from ..quantities import METRICS, Quantity, briefly, positive, titled
 from ..responses.excitation import check_kinds
 from ..responses.simulation import simulate
-from ..roads.profiles import positive
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
 from .ride import ride_metrics

@@ -10,9 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..quantities import briefly
+from ..quantities import briefly, positive
 from ..responses.filters import Filter
-from ..roads.profiles import positive
 from .weightings import filter_of
 
 Array = NDArray[np.float64]

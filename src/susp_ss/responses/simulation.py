@@ -10,8 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ..progress import tracked
-from ..quantities import briefly
-from ..roads.profiles import positive
+from ..quantities import briefly, positive
 from ..vehicles.contract import Model, RoadVehicle
 from .excitation import check_kinds
 from .first_order_hold import FirstOrderHold, joined

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from scipy.special import zeta
 
-from ..quantities import briefly, whole_number
+from ..quantities import briefly, positive, whole_number
 from .road import Road
 
 Array = NDArray[np.float64]
@@ -30,7 +30,6 @@ COHERENCE_NODES = 100
 MOST_POINTS = 1e8
 
 SIDES = ("left", "right")
-"""The tracks of a profile."""
 
 
 def synthesise(
@@ -77,7 +76,7 @@ def synthesise(
         raise TypeError(f"road must be a Road, such as Road.iso8608('B'), got {briefly(road)}")
     road.single("synthesise()")
     length, step, track_width = (
-        positive(name, value) for name, value in (("length", length), ("step", step), ("track_width", track_width))
+        positive(name, value, "m") for name, value in (("length", length), ("step", step), ("track_width", track_width))
     )
     points = round(length / step)
     if not 2 <= points <= MOST_POINTS:
@@ -226,13 +225,3 @@ def _folded(road: Road, n: Array, sampling: float) -> Array:
     scale = road.psd(IMAGES * sampling) * IMAGES**power
     far = scale * (zeta(power, IMAGES + 1.0 + x) + zeta(power, IMAGES + 1.0 - x))
     return np.asarray(road.psd(n) + np.interp(n / sampling, x, near + far))
-
-
-def positive(name: str, value: Any, unit: str = "m") -> float:
-    """A finite number > 0, or a refusal that names the argument."""
-    need = f"> 0 {unit}".rstrip()
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise TypeError(f"{name} must be a number {need}, got {briefly(value)}")
-    if not (np.isfinite(value) and value > 0.0):
-        raise ValueError(f"{name} must be {need} and finite, got {briefly(value)}")
-    return float(value)
