@@ -41,6 +41,18 @@ def test_it_prints_the_report_and_writes_where_it_is_told(run, here):
     assert list(here.iterdir()) == [here / "deep"]
 
 
+def test_a_profile_is_driven_over(run, here):
+    profile = ss.synthesise(ss.Road(tracks="isotropic"), 60.0, 0.1, seed=1)
+    profile.to_dataframe().to_csv(here / "road.csv")
+    code, out, err = run("comfort", "--profile", "road.csv", "--speed", "36km/h", "--json")
+    assert (code, err) == (0, "")
+    ride = ss.comfort(ss.FullCar(), ss.read_profile(here / "road.csv"), speed=10.0)
+    row = json.loads(out)["comfort"][0]
+    for name in ("total", "mtvv", "vdv"):
+        assert row[name] == pytest.approx(float(ride.metrics[name].sel(point="cg"))), name
+    assert f"{ride.metrics.duration:.3g}" in json.loads(out)["ride"]
+
+
 @pytest.mark.parametrize(
     ("line", "named"),
     [
@@ -52,6 +64,12 @@ def test_it_prints_the_report_and_writes_where_it_is_told(run, here):
         ("--point driver", "--point must be NAME=X,Y"),
         ("--point driver:0.3,0.4", "--point must be NAME=X,Y"),
         ("--point driver=a,0.4", "--point: needs a number"),
+        ("--profile none.csv", "none.csv: No such file"),
+        (
+            "--profile none.csv --road-class B",
+            "--road-class describes a random road; beside --profile pass --speed alone",
+        ),
+        ("--profile none.csv --no-delay", "--delay describes a random road"),
         ("--model quarter --point driver=0.3,0.4", "moves as one point"),
     ],
 )

@@ -159,7 +159,8 @@ def comfort(
         Any of the models, with seats or without. On a `Road`, parameters may be arrays; on a profile, curves are taken
         as they are.
     road : Road or xarray.Dataset
-        A random road, whose speed and roughness may be arrays, or a profile: ``left`` and ``right`` (m) on ``x`` (m).
+        A random road, whose speed and roughness may be arrays, or a profile, of `read_profile`, `synthesise` or
+        `obstacle`: ``left`` and ``right`` (m) on ``x`` (m).
     points : mapping of str to (x, y), optional
         Points of the body, as in `ride_metrics`.
     weighting : mapping of str, optional
@@ -212,12 +213,7 @@ def comfort(
 
     A bump of 5 cm, once:
 
-    >>> import numpy as np
-    >>> import xarray as xr
-    >>> x = np.array([0.0, 5.0, 5.5, 6.0, 60.0])
-    >>> height = ("x", np.array([0.0, 0.0, 0.05, 0.0, 0.0]))
-    >>> bump = xr.Dataset({"left": height, "right": height}, {"x": x})
-    >>> shock = ss.comfort(ss.QuarterCar(), bump, speed=10.0)
+    >>> shock = ss.comfort(ss.QuarterCar(), ss.obstacle("bump", height=0.05), speed=10.0)
     >>> bool(shock.metrics.crest_factor > 3.0)
     True
     """
