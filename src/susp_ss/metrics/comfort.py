@@ -332,11 +332,11 @@ def _judged(values: xr.Dataset, filtering: Mapping[str, Any], seconds: float) ->
     """With what follows from weighted root mean squares and doses, in order and with units."""
     total = sum((AXES[name].k * values[name]) ** 2 for name in filtering) ** 0.5
     a8 = values.bacc * np.sqrt(seconds / DAY)
-    values = values.assign(total=total, reaction=reaction(total), evdv=ESTIMATED * seconds**0.25 * values.bacc, a8=a8)
     with np.errstate(divide="ignore"):  # On a level road no exposure is too long.
-        for value in ("action", "limit"):
-            values[f"a8_{value}_time"] = seconds * (A8[value] / a8) ** 2
-            values[f"vdv_{value}_time"] = seconds * (VDV[value] / values["vdv"]) ** 4
+        times = {f"a8_{value}_time": seconds * (A8[value] / a8) ** 2 for value in A8}
+        times |= {f"vdv_{value}_time": seconds * (VDV[value] / values["vdv"]) ** 4 for value in VDV}
+    evdv = ESTIMATED * seconds**0.25 * values.bacc
+    values = values.assign(total=total, reaction=reaction(total), evdv=evdv, a8=a8, **times)
     for name, quantity in VALUES.items():
         if name in values:
             values[name].attrs = {"units": quantity.unit, "long_name": quantity.meaning}
