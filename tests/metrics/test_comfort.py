@@ -236,7 +236,8 @@ NO_BODY = ss.LinearVehicle(control.ss([[-1.0]], [[1.0]], [[1.0]], [[0.0]], input
     ("call", "error", "words"),
     [
         (lambda: ss.comfort(None, ROAD), TypeError, "vehicle must be one of the package's vehicles"),
-        (lambda: ss.comfort(ss.QuarterCar(), None), TypeError, "road must be a Road"),
+        (lambda: ss.comfort(ss.QuarterCar(), None), TypeError, "road must be a Road, or a profile"),
+        (lambda: ss.comfort(ss.QuarterCar(), bump().left, speed=9.0), TypeError, "or a profile with left and right"),
         (lambda: ss.comfort(ss.QuarterCar(), ROAD, duration=0.0), ValueError, "duration must be > 0 s"),
         (lambda: ss.comfort(ss.QuarterCar(), ROAD, duration="8 h"), TypeError, "duration must be a number > 0 s"),
         (lambda: ss.comfort(ss.QuarterCar(), ROAD, speed=20.0), ValueError, "speed and step are for a profile"),

@@ -218,6 +218,8 @@ def comfort(
     True
     """
     check_kinds(vehicle)
+    if not isinstance(road, (Road, xr.Dataset)):
+        raise TypeError(f"road must be a Road, or a profile with left and right on x, got {briefly(road)}")
     car = vehicle if points is None else vehicle.with_points(points)
     filtering = _filtering(car, weighting)
     seconds = None if duration is None else positive("duration", duration, "s")
