@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -62,6 +62,21 @@ class FittedRoad(Road):
         Its limits are half and twice that mean; A has no lower and H no upper one.
         """
         return iso_class(float(self.roughness))
+
+
+def unfitted(road: Road) -> Road:
+    """The same road without what a fit says of it; any other as it is.
+
+    Examples
+    --------
+    >>> import susp_ss as ss
+    >>> from susp_ss.roads.road_fit import unfitted
+    >>> unfitted(ss.FittedRoad(speed=30.0)) == ss.Road(speed=30.0)
+    True
+    """
+    if not isinstance(road, FittedRoad):
+        return road
+    return Road(**{parameter.name: getattr(road, parameter.name) for parameter in fields(Road)})
 
 
 def iso_class(roughness: float) -> str:
@@ -158,6 +173,17 @@ def fit_road(
         scatter=best.scatter,
         spectrum=_labelled(bands, confidence),
     )
+
+
+def spectrum_of(profile: xr.Dataset, confidence: float = 0.95) -> xr.Dataset:
+    """Spectrum and coherence of a profile in the bands of ISO 8608, as `FittedRoad` has it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        No profile, a level one, one too short or too coarse.
+    """
+    return _labelled(_usable(*checked_tracks(profile)), confidence)
 
 
 class Fit(NamedTuple):
