@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,16 +19,36 @@ Array = NDArray[np.float64]
 LAST = 1e-6
 
 
-class Met(NamedTuple):
-    """Instants (T,) in s, where the first axle is on the profile (T,) in m, and the heights in m, (wheels, T)."""
+class Heights(NamedTuple):
+    """Heights in m under the wheels, (wheels, T), at instants (T,) in s."""
+
+    time: Array
+    heights: Array
+    x: None = None
+
+    def under(self, vehicle: RoadVehicle) -> Array:
+        """The same whatever the vehicle is."""
+        return self.heights
+
+
+class Way(NamedTuple):
+    """Where the first axle is on a profile in m, (T,), at instants (T,) in s; points x and heights of its tracks."""
 
     time: Array
     x: Array
-    heights: Array
+    points: Array
+    tracks: Mapping[int, Array]
+
+    def under(self, vehicle: RoadVehicle) -> Array:
+        """Heights in m under a flattened vehicle, (wheels, T), or (designs, wheels, T) where axles differ."""
+        behind = [np.asarray(vehicle.axles[wheel.axle])[..., None] for wheel in vehicle.wheels.values()]
+        tracks = [self.tracks[wheel.side] for wheel in vehicle.wheels.values()]
+        rows = [np.interp(self.x - d, self.points, track) for d, track in zip(behind, tracks, strict=True)]
+        return np.stack(np.broadcast_arrays(*rows), axis=-2)
 
 
-def met(vehicle: RoadVehicle, profile: xr.Dataset, speed: Any, step: Any) -> Met:
-    """Heights under every wheel of a vehicle whose first axle goes from the first to the last point of a profile.
+def way_over(vehicle: RoadVehicle, profile: xr.Dataset, speed: float, step: Any) -> Way:
+    """The way of a vehicle whose first axle goes from the first to the last point of a profile.
 
     A wheel on the left (right) runs on the left (right) track, one on the centre line on the mean of both, as far
     behind the first axle as its own is. Heights are linear between points; what lies before the first is as high as it.
@@ -35,12 +56,11 @@ def met(vehicle: RoadVehicle, profile: xr.Dataset, speed: Any, step: Any) -> Met
     Raises
     ------
     TypeError, ValueError
-        No profile, or one that is not longer than the vehicle; no speed or step > 0.
+        No profile, or one that is not longer than the vehicle; no step > 0.
     """
-    x, tracks = checked_tracks(profile)
-    speed, step = positive("speed", speed, "m/s"), positive("step", step, "s")
-    length = float(x[-1] - x[0])
-    wheelbase = float(np.max(vehicle.wheelbase))
+    points, (left, right) = checked_tracks(profile)
+    step = positive("step", step, "s")
+    length, wheelbase = float(points[-1] - points[0]), float(np.max(vehicle.wheelbase))
     if length <= wheelbase:
         raise ValueError(
             f"profile must be longer than the wheelbase of {wheelbase:g} m, or the last axle never meets it, got "
@@ -50,9 +70,4 @@ def met(vehicle: RoadVehicle, profile: xr.Dataset, speed: Any, step: Any) -> Met
     if steps < 1:
         raise ValueError(f"step must be less than the {length / speed:.4g} s on the profile, got {step:g} s")
     time = step * np.arange(steps + 1)
-    first = x[0] + speed * time
-    left, right = tracks
-    by_side = {1: left, -1: right, 0: 0.5 * (left + right)}
-    wheels = vehicle.wheels.values()
-    heights = [np.interp(first - vehicle.axles[wheel.axle], x, by_side[wheel.side]) for wheel in wheels]
-    return Met(time, first, np.stack(heights))
+    return Way(time, points[0] + speed * time, points, {1: left, -1: right, 0: 0.5 * (left + right)})

@@ -1,5 +1,6 @@
 """Roads: spectra of the surface under the wheels, and profiles drawn from them."""
 
+from .iri import iri, mean_iri
 from .obstacles import obstacle
 from .profile_files import read_profile
 from .profiles import synthesise, wheel_heights
@@ -14,6 +15,8 @@ __all__ = [
     "FittedRoad",
     "Road",
     "fit_road",
+    "iri",
+    "mean_iri",
     "obstacle",
     "read_profile",
     "synthesise",

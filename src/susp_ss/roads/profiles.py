@@ -30,6 +30,7 @@ COHERENCE_NODES = 100
 MOST_POINTS = 1e8
 
 SIDES = ("left", "right")
+"""The tracks of a profile."""
 
 
 def synthesise(
