@@ -27,7 +27,17 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "vehicles.linear": ["LinearVehicle"],
         "vehicles.parameters": ["Corners"],
         "vehicles.seats": ["Seat"],
-        "roads": ["DEFAULT_ROAD", "Road", "iri", "mean_iri", "obstacle", "read_profile", "synthesise"],
+        "roads": [
+            "DEFAULT_ROAD",
+            "FittedRoad",
+            "Road",
+            "fit_road",
+            "iri",
+            "mean_iri",
+            "obstacle",
+            "read_profile",
+            "synthesise",
+        ],
         "responses": ["frequency_response", "peaks", "psd", "simulate"],
         "responses.covariance": ["covariance", "linearised"],
         "metrics": [

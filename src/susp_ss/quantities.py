@@ -351,7 +351,7 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None, nee
     return int(value)
 
 
-def positive(name: str, value: Any, unit: str) -> float:
+def positive(name: str, value: Any, unit: str = "m") -> float:
     """Return a number > 0 as float, or say what is wrong with it.
 
     Raises
@@ -366,9 +366,10 @@ def positive(name: str, value: Any, unit: str) -> float:
     Traceback (most recent call last):
     ValueError: speed must be > 0 m/s and finite, got -1.0
     """
+    need = f"> 0 {unit}".rstrip()
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise TypeError(f"{name} must be a number > 0 {unit}, got {briefly(value)}")
+        raise TypeError(f"{name} must be a number {need}, got {briefly(value)}")
     number = float(value)
     if not (math.isfinite(number) and number > 0.0):
-        raise ValueError(f"{name} must be > 0 {unit} and finite, got {briefly(value)}")
+        raise ValueError(f"{name} must be {need} and finite, got {briefly(value)}")
     return number

@@ -30,7 +30,7 @@ def peaks(vehicle: RoadVehicle, profile: xr.Dataset, speeds: ArrayLike, *, step:
     Returns
     -------
     xarray.Dataset
-        The variables of `simulate`, on ``speed`` in place of time: ``max |y|``.
+        The variables of `simulate` with ``reduce="peak"``, ``max |y|`` over time, on ``speed`` first.
 
     Raises
     ------
@@ -48,15 +48,7 @@ def peaks(vehicle: RoadVehicle, profile: xr.Dataset, speeds: ArrayLike, *, step:
     if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iuf":
         raise TypeError(f"speeds must be one row of numbers in m/s, got {briefly(speeds)}")
     at = [positive("speeds", speed, "m/s") for speed in given.tolist()]
-    found = [_largest(vehicle, profile, speed, step) for speed in tracked(at, "driving", len(at) > 1)]
+    runs = tracked(at, "driving", len(at) > 1)
+    found = [simulate(vehicle, profile, speed=speed, step=step, reduce="peak") for speed in runs]
     speed = xr.Variable("speed", at, {"units": ROAD["speed"].unit, "long_name": ROAD["speed"].meaning})
     return xr.concat(found, speed)
-
-
-def _largest(vehicle: RoadVehicle, profile: xr.Dataset, speed: float, step: float | None) -> xr.Dataset:
-    history = simulate(vehicle, profile, speed=speed, step=step).drop_vars("x")
-    largest: xr.Dataset = abs(history).max("time")
-    for name, variable in largest.items():
-        attributes = history[name].attrs
-        variable.attrs = attributes | {"long_name": f"largest {attributes['long_name']}"}
-    return largest

@@ -30,6 +30,7 @@ COHERENCE_NODES = 100
 MOST_POINTS = 1e8
 
 SIDES = ("left", "right")
+"""The tracks of a profile."""
 
 
 def synthesise(
@@ -101,8 +102,18 @@ def profile_of(x: ArrayLike, left: ArrayLike, right: ArrayLike, attributes: dict
 
 
 def checked_tracks(profile: xr.Dataset) -> tuple[Array, Array]:
-    """Points x (P,) and heights (left and right, P) of a profile in m, or say what is wrong with it."""
+    """Points x (P,) and heights (left and right, P) of a profile in m, or say what is wrong with it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        No Dataset, a variable missing, on other dims, no numbers, not in m or not finite; x that does not rise.
+    """
     need = "profile must have left and right, heights in m on x"
+    if not isinstance(profile, xr.Dataset):
+        raise TypeError(
+            f"profile must be an xarray.Dataset of left and right, heights in m on x, got {briefly(profile)}"
+        )
     for name in ("x", *SIDES):
         if name not in profile.variables:
             raise ValueError(f"{need}, got no {name!r} among {', '.join(map(str, profile.variables))}")

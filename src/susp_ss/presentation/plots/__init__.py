@@ -11,6 +11,7 @@ from .designs import carpet
 from .fitted import fitted_map
 from .frequency import bode, bode_magnitude, psd, study_curves
 from .modes import mode_shape, mode_shapes
+from .road import road_chart
 from .scan import scenario_scan
 from .steering import steering
 from .study import error_map, response_surfaces
@@ -37,6 +38,7 @@ __all__ = [
     "psd",
     "residuals",
     "response_surfaces",
+    "road_chart",
     "scenario_scan",
     "steering",
     "study_curves",
