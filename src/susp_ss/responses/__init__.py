@@ -2,7 +2,8 @@
 
 from .frequency import frequency_response, psd
 from .invariant import invariant_points
+from .peaks import peaks
 from .ratios import coherence, transmissibility
 from .simulation import simulate
 
-__all__ = ["coherence", "frequency_response", "invariant_points", "psd", "simulate", "transmissibility"]
+__all__ = ["coherence", "frequency_response", "invariant_points", "peaks", "psd", "simulate", "transmissibility"]

@@ -9,13 +9,12 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from ..progress import tracked
-from ..quantities import whole_number
-from ..roads.profiles import synthesise
+from ..quantities import positive, whole_number
+from ..roads.profiles import wheel_heights
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.parameters import DesignSpace
 from .excitation import check_stationary, delays, infinite_outputs, processes
-from .meeting import positive
 from .simulation import RESOLVED, driven, fastest
 from .stepping import History, Stepper
 
@@ -131,7 +130,7 @@ def _mean_product(x: Array, y: Array, about_mean: bool = False) -> tuple[Array, 
 def heights_under(vehicle: RoadVehicle, road: Road, duration: float, step: float, seed: int) -> Array:
     """One realisation of the heights in m under each wheel, (wheels, T): periodic, with tracks and delay."""
     excited, taus = processes(vehicle, road), delays_met(vehicle, road)
-    z = synthesise(
+    z = wheel_heights(
         road,
         duration,
         step,

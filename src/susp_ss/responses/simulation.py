@@ -10,13 +10,13 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ..progress import tracked
-from ..quantities import briefly
+from ..quantities import briefly, positive
 from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import blocks
 from .excitation import check_kinds
 from .first_order_hold import FirstOrderHold, joined
 from .labels import labelled_outputs
-from .meeting import Heights, Way, positive, way_over
+from .meeting import Heights, Way, way_over
 from .positions import form_with_positions, with_positions
 from .statistics import checked_statistics, kept
 from .stepping import Stepper

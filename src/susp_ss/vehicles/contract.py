@@ -182,6 +182,10 @@ class RoadVehicle(ABC):
     def damping(self) -> Array:
         """Damping rate at every corner of a flattened vehicle, (corners,) or (designs, corners)."""
 
+    def static_loads(self) -> Array | None:
+        """What every tyre of a flattened vehicle carries at rest in N, (designs..., corners); None if not known."""
+        return None
+
     @abstractmethod
     def layout(self) -> Layout:
         """The names of coordinates, inputs, corners and outputs."""
