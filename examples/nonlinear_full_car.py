@@ -38,7 +38,7 @@ from scipy.linalg import expm
 from scipy.stats import qmc
 
 from susp_ss import FullCar, Road
-from susp_ss.roads import synthesise
+from susp_ss.roads import wheel_heights
 from susp_ss.study.feasibility import DAMPING, STIFFNESS
 
 Array = NDArray[np.float64]
@@ -147,7 +147,7 @@ def linear_step(A: Array, B: Array, step: float) -> tuple[Array, Array, Array]:
 def record(road: Road, duration: float, seed: int) -> Array:
     """Road heights (wheels, T) under the four wheels; the end comes once more in front, to settle on."""
     car = FullCar()
-    z = synthesise(
+    z = wheel_heights(
         road,
         duration,
         STEP,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from numbers import Integral
+from numbers import Integral, Real
 from typing import Any, NamedTuple
 
 
@@ -126,6 +126,35 @@ HANDLING = _table(
     Quantity("slip_angle", "rad", "slip angle of the tyre", "", shown="deg", dim="corner"),
 )
 """What a car that steers adds to them."""
+
+POSITIONS = _table(
+    Quantity("z_s", "m", "height of the body above where it stands on level ground", "z_s", dim="point"),
+    Quantity("z_u", "m", "height of the wheel above where it stands on level ground", "z_u", dim="corner"),
+    Quantity("z_r", "m", "height of the road under the wheel", "z_r", dim="corner"),
+    Quantity("pitch", "rad", "pitch angle of the body, positive nose down", shown="deg"),
+    Quantity("roll", "rad", "roll angle of the body, positive left up", shown="deg"),
+)
+"""Where body, wheels and road are over time."""
+
+EVENTS = _table(
+    Quantity("bump_rate", "1/s", "how often a suspension reaches its bump stop", dim="corner"),
+    Quantity("rebound_rate", "1/s", "how often a suspension reaches its rebound stop", dim="corner"),
+    Quantity("lift_off_rate", "1/s", "how often a wheel leaves the ground", dim="corner"),
+    Quantity("bump_probability", "", "probability of reaching the bump stop over the stretch", dim="corner"),
+    Quantity("rebound_probability", "", "probability of reaching the rebound stop over the stretch", dim="corner"),
+    Quantity("lift_off_probability", "", "probability of a wheel leaving the ground over the stretch", dim="corner"),
+    Quantity("static_load", "N", "load of the tyre at rest", dim="corner"),
+    Quantity("bacc_highest", "m/s^2", "expected highest body vertical acceleration over the stretch", dim="point"),
+    Quantity("sws_highest", "m", "expected highest suspension deflection over the stretch", dim="corner"),
+    Quantity("dtl_highest", "N", "expected highest dynamic tyre load over the stretch", dim="corner"),
+    Quantity("bacc_crossings", "1/s", "how often body vertical acceleration passes zero upwards", dim="point"),
+    Quantity("sws_crossings", "1/s", "how often suspension deflection passes zero upwards", dim="corner"),
+    Quantity("dtl_crossings", "1/s", "how often dynamic tyre load passes zero upwards", dim="corner"),
+    Quantity("irregularity", "", "zero crossings over peaks of suspension deflection", dim="corner"),
+    Quantity("damage", "", "fatigue damage of the suspension spring over the stretch", dim="corner"),
+)
+"""Variables of `susp_ss.rare_events`, in their order."""
+
 SHIFT = Quantity("ride_height_shift", "m", "deflection of the suspension", dim="corner", statistic="mean")
 """How far curves of springs and dampers move the mean position of a suspension: bump positive, the body sinks."""
 
@@ -152,7 +181,7 @@ UNITS: dict[str, dict[str, float]] = {
     "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704, "mm/s": 1e-3},
     "m^3": {"m^3": 1.0, "cm^3": 1e-6},
     "cycle/m": {"cycle/m": 1.0, "rad/m": 0.5 / math.pi},
-    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
     "Hz": {"Hz": 1.0, "rad/s": 0.5 / math.pi},
 }
 """For each SI unit, the units that people may state in its place, and how much of the SI unit one of them is."""
@@ -174,7 +203,10 @@ GROUPS = {
 PLACES = {"cg", *CORNERS, *MIDDLE, "middle", *GROUPS, "f", "r", "l"}
 """What may follow the name of a quantity: wheels, groups of them, ends and sides of half cars, and ``cg``."""
 
-DIMS = ("point", "corner", "axle", "seat", "state", "state_", "output", "input", "frequency", "time")
+DIMS = (
+    *("point", "corner", "axle", "seat", "estimate", "counting", "statistic"),
+    *("state", "state_", "output", "input", "frequency", "time"),
+)
 """Dims of results."""
 
 
@@ -317,3 +349,27 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None, nee
     if not whole or value < least or (most is not None and value > most):
         raise ValueError(f"{name} must be a whole number {need or f'>= {least}'}, got {briefly(value)}")
     return int(value)
+
+
+def positive(name: str, value: Any, unit: str = "m") -> float:
+    """Return a number > 0 as float, or say what is wrong with it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        It is none, not finite or not > 0.
+
+    Examples
+    --------
+    >>> from susp_ss.quantities import positive
+    >>> positive("speed", -1.0, "m/s")
+    Traceback (most recent call last):
+    ValueError: speed must be > 0 m/s and finite, got -1.0
+    """
+    need = f"> 0 {unit}".rstrip()
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{name} must be a number {need}, got {briefly(value)}")
+    number = float(value)
+    if not (math.isfinite(number) and number > 0.0):
+        raise ValueError(f"{name} must be {need} and finite, got {briefly(value)}")
+    return number

@@ -17,7 +17,7 @@ import susp_ss as ss
 from susp_ss.exchange import running
 from susp_ss.exchange.exporting import BINARIES, COMPILERS
 from susp_ss.fit.histories import over_time
-from susp_ss.responses.simulation import heights_under
+from susp_ss.responses.records import heights_under
 
 SOURCE = Path(__file__).with_name("nonlinear_quarter.c")
 ROAD = ss.Road.iso8608("C", speed=20.0)

@@ -150,11 +150,6 @@ WRONG = {
         ValueError,
         "sws_fr, sws_fl, sws_rr, sws_rl, dtl_fr, dtl_fl, dtl_rr, dtl_rl feel the height of the road",
     ),
-    "simulation of many": (
-        lambda: ss.simulate(ss.LinearVehicle([lag(), lag(-4.0)]), np.zeros(9), np.arange(9.0)),
-        ValueError,
-        "needs one system, got 2",
-    ),
     "points": (
         lambda: ss.ride_metrics(ss.LinearVehicle(PLANT, like=CAR), ss.Road(), points={"driver": (0.3, 0.4)}),
         TypeError,

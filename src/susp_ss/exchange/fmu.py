@@ -27,7 +27,7 @@ from ..fit.runs import Runs, bounded, check_asked, check_together
 from ..fit.tables import possible_units, quantity
 from ..quantities import briefly, whole_number
 from ..responses.excitation import check_kinds
-from ..responses.simulation import heights_under
+from ..responses.records import heights_under
 from ..roads.road import Road
 from ..units import factor_of
 from ..vehicles.contract import RoadVehicle

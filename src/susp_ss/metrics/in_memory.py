@@ -15,7 +15,7 @@ from ..responses.covariance.routes import covariance_variances
 from ..responses.excitation import spanned
 from ..responses.filters import Filter
 from ..responses.labels import labelled_outputs, shifted
-from ..responses.simulation import Moments, time_moments
+from ..responses.records import Moments, time_moments
 from ..responses.spectral import spectral_variances
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
@@ -61,7 +61,8 @@ def metrics_in_memory(
     else:
         found = (moments(road) if method == "spectral" else Moments(straight.variances))._replace(shift=straight.shift)
     if found.power is None:
-        found = found._replace(power=car.damping() * found.variances[:, layout.rates])
+        errors = None if found.errors is None else car.damping() * found.errors[:, layout.rates]
+        found = found._replace(power=car.damping() * found.variances[:, layout.rates], power_errors=errors)
     for one, rows in rows_behind(weighting, layout.outputs).items():
         through = moments(road.weighted(one))
         found.variances[:, rows] = through.variances[:, rows]

@@ -12,10 +12,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy.signal
 from numpy.typing import NDArray
 
 from ..quantities import briefly
 from ..roads.colours import Colours
+from .first_order_hold import FirstOrderHold
 
 # Poles nearer to one another than a share of the way to the imaginary axis are taken together: the first share with
 # which the terms are |W|^2 to ENOUGH of its peak, else the best; what is then off by more than LOST is refused.
@@ -156,14 +158,8 @@ class Filter:
 
     def filtered(self, y: NDArray[Any], step: float) -> NDArray[Any]:
         """Histories (outputs, T) filtered from rest, each taken as linear between samples."""
-        import scipy.signal
-
         if len(self.denominator) == 1:
             return np.asarray(self.numerator[0] * y)
-        discrete = scipy.signal.cont2discrete(scipy.signal.tf2ss(self.numerator, self.denominator), step, method="foh")
-        A, B, C, D = discrete[:4]
-        x, out = np.zeros((len(A), len(y))), np.empty_like(y)
-        for k, u in enumerate(y.T):
-            out[:, k] = C[0] @ x + D[0, 0] * u
-            x = A @ x + B * u
-        return out
+        A, B, C, D = scipy.signal.tf2ss(self.numerator, self.denominator)
+        hold = FirstOrderHold(A, B, C, D, step)
+        return np.concatenate(list(hold.drive(y[:, None])), axis=-1)[:, 0]

@@ -1,80 +1,127 @@
-"""Responses over time, through python-control's ``forced_response``."""
+"""Responses over time: any number of vehicles over one road, each sample exactly as linear heights between them say."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ..progress import tracked
-from ..quantities import briefly, whole_number
-from ..roads.profiles import synthesise
-from ..roads.road import Road
+from ..quantities import briefly, positive
 from ..vehicles.contract import Model, RoadVehicle
-from ..vehicles.parameters import DesignSpace
-from .excitation import check_kinds, check_stationary, delays, infinite_outputs, processes
+from ..vehicles.parameters import blocks
+from .excitation import check_kinds
+from .first_order_hold import FirstOrderHold, joined
 from .labels import labelled_outputs
-from .stepping import History, Stepper
+from .meeting import Heights, Way, way_over
+from .positions import form_with_positions, with_positions
+from .statistics import checked_statistics, kept
+from .stepping import Stepper
 
 Array = NDArray[np.float64]
 
 # Steps times the fastest swing: heights taken as linear over a step weaken that swing by its square over 12.
 RESOLVED = 0.15
 
-# Times the slowest mode's decay time until the start is forgotten.
-FORGET = 8.0
-
-# Parts of a record with curves, each as many times the time to forget, are driven side by side.
-PARTS = 1.0
-
 # A mode whose imaginary part is a smaller share of its modulus creeps.
 SWINGING = 1e-6
 
-MOST_STEPS = 1e7
+# On a profile, in s.
+STEP = 0.001
+
+# Rows and states of designs that are driven together: what of them is at work at once stays near the processor.
+TOGETHER = 120
 
 
 def simulate(
-    vehicle: RoadVehicle, profile: Any, time: ArrayLike, inputs: Mapping[str, ArrayLike] | None = None
+    vehicle: RoadVehicle,
+    profile: Any,
+    time: ArrayLike | None = None,
+    inputs: Mapping[str, ArrayLike] | None = None,
+    *,
+    speed: float | None = None,
+    step: float | None = None,
+    positions: bool = False,
+    reduce: str | Sequence[str] | None = None,
 ) -> xr.Dataset:
-    """Drive a vehicle over given road heights.
+    """Drive a vehicle over a profile at a speed, or over given heights under its wheels.
 
-    The heights are taken as linear between samples and the states advance exactly (`control.forced_response`). The
-    vehicle starts at rest in static equilibrium on the first heights, its further inputs at zero. Outputs that need the
-    road's velocity (tyre damping, rigid tyre) take it from the heights by central differences.
+    The heights are taken as linear between samples and the states advance exactly, as `control.forced_response` has
+    them, a hundred times as fast. The vehicle starts at rest in static equilibrium on the first heights, its further
+    inputs at zero. Outputs that need the road's velocity (tyre damping, rigid tyre) take it from the heights by central
+    differences.
+
+    On a profile the first axle goes from its first point to its last. Wheels on the left run on ``left``, on the right
+    on ``right``, on the centre line on the mean, each as far behind the first axle as its own axle is; what lies before
+    the first point is as high as it.
 
     Parameters
     ----------
     vehicle : Vehicle
-        One number for every parameter, or a curve: that is taken as it is, by steps of fourth order (third at a kink)
-        that resolve the stiffest spring's fastest swing; deflections keep four digits where stops are hit.
-    profile : array_like, (wheels, T), or mapping of wheel to (T,)
-        Road heights in m under each wheel, in the order of ``vehicle.wheels``; (T,) for a quarter car, or
-        one row for all wheels at once.
+        Parameters that are arrays make a sweep, whose dims come first in the result. A curve is taken as it is, by
+        steps of fourth order (third at a kink) that resolve the stiffest spring's fastest swing; deflections keep four
+        digits where stops are hit.
+    profile : xarray.Dataset, or array_like, (wheels, T), or mapping of wheel to (T,)
+        A profile: heights ``left`` and ``right`` in m on ``x``, m, rising, evenly spaced or not, linear between points.
+        Or road heights in m under each wheel, in the order of ``vehicle.wheels``; (T,) for a quarter car, or one row
+        for all wheels at once.
     time : array_like, (T,)
-        Evenly spaced instants in s.
+        Evenly spaced instants in s of such heights; on a profile they follow from ``speed`` and ``step``.
     inputs : mapping of str to array_like, (T,), optional
         What else drives the vehicle, linear between samples as well: ``delta_f`` (rad), ``drive_rr`` (N m) and so on
         of a `RideHandlingCar`; what is left out stays zero.
+    speed : float
+        In m/s, on a profile; a `RideHandlingCar` moves at it as well.
+    step : float
+        In s, on a profile, 0.001 by default.
+    positions : bool
+        Add where everything is, from where it stands on level ground: the heights ``z_s`` of the body on point, ``z_u``
+        of the wheels and ``z_r`` of the road under them on corner, in m, and the angles ``pitch`` (positive nose down)
+        and ``roll`` (positive left up) in rad.
+    reduce : str or sequence of str, optional
+        Keep numbers in place of histories: ``"rms"`` (about zero), ``"mean"``, ``"peak"`` (of the modulus), ``"max"``,
+        ``"min"``; several lie on dim "statistic". A thousand designs then need no more memory than a dozen.
 
     Returns
     -------
     xarray.Dataset
-        On time, with the variables and dims of `ride_metrics`: ``bacc`` on point, ``sws``, ``dtl`` and the momentary
-        ``damper_power`` on corner, ``pitch_acc`` and ``roll_acc``.
+        On (sweep..., time), with the variables and dims of `ride_metrics`: ``bacc`` on point, ``sws``, ``dtl`` and the
+        momentary ``damper_power`` on corner, ``pitch_acc`` and ``roll_acc``. On a profile, coordinate ``x`` on time is
+        where the first axle is, in m.
 
     Raises
     ------
     TypeError, ValueError
-        Parameters that are arrays, times that are not evenly spaced, heights or inputs of the wrong shape or not
-        finite, an input that the vehicle has not.
+        Times that are not evenly spaced, heights or inputs of the wrong shape or not finite, an input that the vehicle
+        has not, a profile without a speed or not longer than the wheelbase, an unknown statistic.
 
     Examples
     --------
+    A ramp of 5 cm on the left, at 10 m/s:
+
     >>> import numpy as np
-    >>> from susp_ss import QuarterCar, simulate
+    >>> import xarray as xr
+    >>> from susp_ss import FullCar, simulate
+    >>> x = np.array([0.0, 5.0, 5.5, 40.0])
+    >>> ramp = xr.Dataset({"left": ("x", [0.0, 0.0, 0.05, 0.05]), "right": ("x", np.zeros(4))}, coords={"x": x})
+    >>> ride = simulate(FullCar(), ramp, speed=10.0)
+    >>> first = np.abs(ride.sws).idxmax("time")
+    >>> bool(first.sel(corner="rl") > first.sel(corner="fl") > 0.5)
+    True
+
+    How far the suspension of twenty dampers moves at most on it:
+
+    >>> dampers = xr.DataArray(np.linspace(500.0, 3000.0, 20), dims="cs")
+    >>> travel = simulate(FullCar(cs=dampers), ramp, speed=10.0, reduce="peak").sws.sel(corner="fl")
+    >>> travel.dims, int(travel.argmin('cs'))
+    (('cs',), 19)
+
+    Heights under the wheel of a quarter car:
+
+    >>> from susp_ss import QuarterCar
     >>> time = np.arange(0.0, 3.0, 0.005)
     >>> kerb = np.where(time > 0.5, 0.05, 0.0)
     >>> response = simulate(QuarterCar(), kerb, time)
@@ -90,183 +137,109 @@ def simulate(
     True
     """
     check_kinds(vehicle)
-    t = _checked_time(time)
-    z = _checked_profile(profile, tuple(vehicle.wheels), len(t))
-    layout = vehicle.layout()
-    given = _checked_inputs(inputs, layout.controls, type(vehicle).__name__, len(t))
-    if vehicle.curved:
-        y, damping = _stepped(vehicle, z, t)
-    else:
-        model = vehicle.single("simulate()")
-        y = _outputs(model, z, t, given)
-        damping = model.damping[:, None] * y[layout.rates]
-    power = damping * y[layout.rates]
-    history = labelled_outputs(layout, y[None], power[None], vehicle.design_space(), ("time",), {"time": t})
-    history.time.attrs["units"] = "s"
-    return history
+    statistics = checked_statistics(reduce)
+    vehicle, way = _underway(vehicle, profile, time, speed, step)
+    t = way.time
+    layout, space = vehicle.layout(), vehicle.design_space()
+    controls = _checked_inputs(inputs, layout.controls, type(vehicle).__name__, len(t))
+    if positions:
+        layout = with_positions(layout, vehicle)
+    if way.x is not None and "x" in space.dims:
+        raise ValueError("designs on a dim named 'x', which is where the first axle is on a profile; rename it")
+    flat = vehicle.flattened(space)
+    corners = len(layout.corners) if layout.dampers else 0
+    whole = np.empty((space.size, len(layout.outputs) + corners, len(statistics or t)))
+    for group in tracked(_groups(flat, space.size), "simulating", space.size > 1):
+        part = flat.select(group)
+        histories = (_curved if vehicle.curved else _linear)(part, way.under(part), t, controls, positions)
+        kept(histories, whole[group], statistics)
+    values, power = np.split(whole, [len(layout.outputs)], axis=1)
+    if isinstance(reduce, str):
+        return labelled_outputs(layout, values[..., 0], power[..., 0], space, long_name=f"{reduce} of {{meaning}}")
+    if statistics:
+        return labelled_outputs(layout, values, power, space, ("statistic",), {"statistic": list(statistics)})
+    found = labelled_outputs(layout, values, power, space, ("time",), {"time": t})
+    found.time.attrs["units"] = "s"
+    if way.x is None:
+        return found
+    return found.assign_coords(x=("time", way.x, {"units": "m", "long_name": "place of the first axle"}))
 
 
-def _outputs(model: Model, z: Array, t: Array, controls: Array | None = None) -> Array:
-    """All outputs (outputs, T) on road heights (inputs, T), from static equilibrium on the first."""
-    import control
+def _underway(vehicle: RoadVehicle, profile: Any, time: Any, speed: Any, step: Any) -> tuple[Any, Heights | Way]:
+    """The vehicle as it moves, and what its wheels meet."""
+    if not isinstance(profile, xr.Dataset):
+        if speed is not None or step is not None:
+            raise ValueError(
+                "speed and step are for a profile, an xarray.Dataset with left and right on x; heights under the "
+                f"wheels need time instead, got {briefly(profile)}"
+            )
+        t = _checked_time(time)
+        return vehicle, Heights(t, _checked_profile(profile, tuple(vehicle.wheels), len(t)))
+    if time is not None:
+        raise ValueError("time must be left out on a profile, where instants follow from speed and step; got both")
+    if speed is None:
+        raise ValueError("speed must be given on a profile, in m/s: simulate(vehicle, profile, speed=20.0)")
+    speed = positive("speed", speed, "m/s")
+    vehicle = vehicle.moving(speed)
+    return vehicle, way_over(vehicle, profile, speed, STEP if step is None else step)
 
-    A, B, Y, D, D1 = (x.reshape(x.shape[-2:]) for x in model.displacement_form())
-    x0, driving = np.linalg.solve(A, -B @ z[:, 0]), z
+
+def _groups(flat: RoadVehicle, designs: int) -> list[slice]:
+    """Designs that are driven together: one with curves, else so many as keep a stretch near the processor."""
+    layout = flat.layout()
+    many = 1 if flat.curved else int(TOGETHER // (len(layout.outputs) + len(layout.states)) + 1)
+    return blocks(designs, many)
+
+
+def _linear(part: Any, z: Array, t: Array, controls: Array | None, positions: bool) -> Iterator[Array]:
+    """Outputs and damper powers (N, rows, L) of vehicles of numbers."""
+    model = part.assemble()
+    damping, rates = model.damping[..., None], model.layout.rates
+    for y in driven(model, z, t[1] - t[0], controls, part if positions else None):
+        yield np.concatenate([y, damping * y[:, rates] ** 2], axis=1)
+
+
+def driven(
+    model: Model, z: Array, step: float, controls: Array | None = None, placed: RoadVehicle | None = None
+) -> Iterator[Array]:
+    """Outputs (N, outputs, L) on road heights z (inputs, T) or (N, inputs, T), from static equilibrium on the first."""
+    form = model.displacement_form() if placed is None else form_with_positions(model, placed)
+    A, B, Y, D, D1 = form
+    on_states, on_outputs, given = [B], [D], [z]
     if controls is not None:
-        further = [x.reshape(x.shape[-2:]) for x in model.controls()]
+        further = model.controls()
         if not np.isfinite(further[0]).all():
             raise ValueError("inputs: without cornering stiffness, what a car does under them is not determined")
-        B, D = np.hstack([B, further[0]]), np.hstack([D, further[1]])
-        driving = np.concatenate([z, controls])
-    states = control.ss(A, B, np.eye(len(A)), np.zeros(B.shape))
-    x = np.asarray(control.forced_response(states, t, driving, x0).states)
-    y = Y @ x + D @ driving
-    return y + D1 @ np.gradient(z, t[1] - t[0], axis=1) if np.any(D1) else y
+        on_states.append(further[0])
+        on_outputs.append(joined([further[1], np.zeros((D.shape[-2] - further[1].shape[-2], len(controls)))], -2))
+        given.append(controls)
+    if np.any(D1):
+        on_states.append(np.zeros_like(B))
+        on_outputs.append(D1)
+        given.append(np.gradient(z, step, axis=-1))
+    u = joined(given, -2)
+    hold = FirstOrderHold(A, joined(on_states, -1), Y, joined(on_outputs, -1), step)
+    return hold.drive(u, hold.rest(u[..., :1]))
 
 
-def _stepped(vehicle: Any, z: Array, t: Array) -> History:
-    """The same of a vehicle with curves, in as many steps a sample as its fastest swing needs."""
-    vehicle.middling().single("simulate()")
-    step = t[1] - t[0]
-    parts = int(np.ceil(step * _fastest(vehicle.steepest()) / RESOLVED))
+def _curved(part: Any, z: Array, t: Array, controls: Array | None, positions: bool) -> Iterator[Array]:
+    """The same of one vehicle with curves, in as many steps a sample as its fastest swing needs."""
+    step, z = t[1] - t[0], z.reshape(z.shape[-2:])
+    parts = int(np.ceil(step * fastest(part.steepest()) / RESOLVED))
     finer = np.linspace(t[0], t[-1], parts * (len(t) - 1) + 1)
     heights = np.stack([np.interp(finer, t, row) for row in z])
-    stepper = Stepper(vehicle, step / parts)
+    stepper = Stepper(part, step / parts, positions)
     y, damping = stepper.drive(heights, stepper.rest(z[:, 0]))
-    return History(y[:, ::parts], damping[:, ::parts])
+    yield np.concatenate([y, damping * y[stepper.rate]])[None, :, ::parts]
 
 
-def _fastest(vehicle: RoadVehicle) -> float:
+def fastest(vehicle: RoadVehicle) -> float:
     """The modulus in rad/s of the fastest eigenvalue that swings."""
     eigenvalues = np.linalg.eigvals(vehicle.assemble().A)
     return float(np.abs(eigenvalues[np.abs(eigenvalues.imag) > SWINGING * np.abs(eigenvalues)]).max(initial=0.0))
 
 
-class Moments(NamedTuple):
-    """Variances (designs, outputs), damper powers and mean deflections (designs, corners), each with its error."""
-
-    variances: Array
-    errors: Array | None = None
-    power: Any = None
-    power_errors: Any = None
-    shift: Array | None = None
-    shift_errors: Array | None = None
-
-
-def time_moments(flat: RoadVehicle, space: DesignSpace, road: Road, duration: float, step: float, seed: int) -> Moments:
-    """Mean squares (designs, outputs) over a synthesised record, and what else results need, with standard errors.
-
-    The record is periodic and starts after the vehicle has forgotten its initial state, so that the mean square is the
-    sum of the powers of its harmonics, independent with variance equal to their square: the error follows from the
-    record itself, ``var = sum P_k^2 / 2``.
-    """
-    for name, value in (("duration", duration), ("step", step)):
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-            raise TypeError(f"{name} must be a number > 0 s, got {briefly(value)}")
-        if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} must be > 0 s and finite, got {briefly(value)}")
-    if duration < 100 * step:
-        raise ValueError(f"duration must be at least 100 steps of {step} s, got {duration} s")
-    seed = whole_number("seed", seed, 0)
-    designs = tracked(range(space.size), "simulating", space.size > 1)
-    found = [_moments(flat.select(slice(i, i + 1)), road.one(i), duration, step, seed) for i in designs]
-    return Moments._make(None if part[0] is None else np.stack(part) for part in zip(*found, strict=True))
-
-
-def _moments(vehicle: Any, road: Road, duration: float, step: float, seed: int) -> Moments:
-    curved = vehicle.curved
-    model = (vehicle.middling() if curved else vehicle).assemble()
-    check_stationary(vehicle, road, model)
-    excited = processes(vehicle, road)
-    eigenvalues = np.linalg.eigvals(model.A)
-    step = min(step, RESOLVED / max(_fastest(vehicle.steepest() if curved else vehicle), RESOLVED / step))
-    later = [tau for tau in delays_met(vehicle, road) if tau > 0.0]
-    if later:
-        step = later[0] / np.ceil(later[0] / step)
-    fading = eigenvalues if road.weighting is None else np.concatenate([eigenvalues, road.weighting.poles])
-    forget = FORGET / np.abs(fading.real).min()
-    if (duration + forget) / step > MOST_STEPS:
-        raise ValueError(
-            f"{type(vehicle).__name__} needs {(duration + forget) / step:.2g} time steps, {forget:.3g} s of them to "
-            f"forget its start; the most is {MOST_STEPS:.0e}: pass a shorter duration, more damping or another method"
-        )
-    z = heights_under(vehicle, road, duration, step, seed)
-    period, lead = z.shape[1], int(np.ceil(forget / step))
-    if curved:
-        y, damping = _side_by_side(Stepper(vehicle, step), z, lead)
-    else:
-        z = np.take(z, np.arange(-lead, period), axis=1, mode="wrap")
-        y = _outputs(model, z, step * np.arange(lead + period))
-        damping = model.damping.reshape(-1, 1) * y[model.layout.rates]
-    force, rate = damping[:, -period:], y[model.layout.rates, -period:]
-    if road.weighting is not None:
-        y = road.weighting.filtered(y, step)
-
-    squares, errors = _mean_product(y[:, -period:], y[:, -period:], curved)
-    squares[infinite_outputs(model, excited, road).reshape(-1)] = np.inf
-    power = _mean_product(force, rate)
-    power[0][np.isinf(squares[model.layout.rates])] = np.inf
-    if not curved:
-        return Moments(squares, errors, *power)
-    travel = y[model.layout.outputs.of("sws"), -period:]
-    return Moments(squares, errors, *power, travel.mean(axis=1), _error_of_mean(travel, lead))
-
-
-def _side_by_side(stepper: Stepper, z: Array, lead: int) -> History:
-    """A lead and a period of heights (inputs, T), in parts that each forget their own start on what lies before."""
-    period = z.shape[1]
-    length = int(min(period, PARTS * lead))
-    parts = -(-period // length)
-    at = np.arange(-lead, length)[:, None] + length * np.arange(parts)
-    heights = np.take(z, at, axis=1, mode="wrap")
-    start = -np.linalg.solve(stepper.A, stepper.B @ heights[:, 0])
-
-    def joined(history: Array) -> Array:
-        whole = np.moveaxis(history[:, lead:], 2, 1).reshape(len(history), -1)[:, :period]
-        return np.concatenate([whole[:, -lead:], whole], axis=1)
-
-    return History(*map(joined, stepper.drive(heights, start)))
-
-
-def _error_of_mean(x: Array, length: int) -> Array:
-    """Standard error of the means of histories (rows, T) whose parts of such a length know nothing of one another."""
-    parts = max(x.shape[1] // length, 2)
-    means = np.stack([part.mean(axis=1) for part in np.array_split(x, parts, axis=1)])
-    return np.asarray(means.std(axis=0, ddof=1) / np.sqrt(parts))
-
-
-def _mean_product(x: Array, y: Array, about_mean: bool = False) -> tuple[Array, Array]:
-    """Means of products of histories (rows, T) of a period, and their standard errors, by the powers of harmonics."""
-    period = x.shape[1]
-    of_x, of_y = (np.fft.rfft(part, axis=1) / period for part in (x, y))
-    power = 2.0 * np.real(of_x * np.conj(of_y))
-    power[:, 0] *= 0.0 if about_mean else 0.5
-    power[:, -1] *= 0.5
-    return power.sum(axis=1), np.sqrt(0.5 * (power**2).sum(axis=1))
-
-
-def heights_under(vehicle: RoadVehicle, road: Road, duration: float, step: float, seed: int) -> Array:
-    """One realisation of the heights in m under each wheel, (wheels, T): periodic, with tracks and delay."""
-    excited, taus = processes(vehicle, road), delays_met(vehicle, road)
-    z = synthesise(
-        road,
-        duration,
-        step,
-        sides=[wheel.side for wheel in vehicle.wheels.values()],
-        delays=[taus[wheel.axle] for wheel in vehicle.wheels.values()],
-        track_width=float(vehicle.track_width),
-        seed=seed,
-    )
-    return z * np.any([process.weights != 0.0 for process in excited], axis=(0, 1))[:, None]
-
-
-def delays_met(vehicle: RoadVehicle, road: Road) -> list[float]:
-    """Delay in s of every axle of one design, none where no process is met by one axle after another."""
-    delayed = any(process.delayed for process in processes(vehicle, road))
-    return [float(tau) if delayed else 0.0 for tau in delays(vehicle, road)]
-
-
-def _checked_time(time: ArrayLike) -> Array:
+def _checked_time(time: Any) -> Array:
     t = np.asarray(time)
     if t.dtype.kind not in "iuf":
         raise TypeError(f"time must be numbers in s, got {briefly(time)}")

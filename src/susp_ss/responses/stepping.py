@@ -13,11 +13,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from ..vehicles.curves import Curve
 from ..vehicles.vehicle import Vehicle
 from .balance import balanced
+from .first_order_hold import held, joined
+from .positions import form_with_positions
 
 Array = NDArray[np.float64]
 
@@ -35,13 +36,16 @@ class History(NamedTuple):
 class Stepper:
     """One vehicle of numbers and curves, ready to be driven in steps of ``h`` seconds."""
 
-    def __init__(self, vehicle: Vehicle, h: float):
+    def __init__(self, vehicle: Vehicle, h: float, positions: bool = False):
         self.dampers, self.springs = vehicle.at_wheels("cs"), vehicle.at_wheels("ks")
         straight = vehicle.middling()
         self.first_cs, self.first_ks = straight.at_wheels("cs"), straight.at_wheels("ks")
         model = straight.assemble()
         self.h, table = h, model.layout.outputs
-        forms = (*model.displacement_form(), *model.actuated())
+        form = form_with_positions(model, straight) if positions else model.displacement_form()
+        P, D_u = model.actuated()
+        D_u = joined([D_u, np.zeros((form[2].shape[-2] - len(table), D_u.shape[-1]))], -2)
+        forms = (*form, P, D_u)
         self.A, self.B, self.Y, self.D, self.D1, self.P, self.D_u = (x.reshape(x.shape[-2:]) for x in forms)
         self.travel, self.rate = (np.arange(len(table))[table.of(name)] for name in ("sws", "sws_rate"))
         self.seen = np.concatenate([self.travel, self.rate])
@@ -70,8 +74,7 @@ class Stepper:
     def drive(self, z: Array, x: Array) -> History:
         """Drive over heights z (inputs, T, ...) from states x (2n, ...)."""
         n, corners, E = len(self.A), len(self.dampers), self.Y[self.seen]
-        whole = _held(self.A, np.concatenate([self.B, self.P], axis=1), self.h)
-        half = _held(self.A, np.concatenate([self.B, self.P], axis=1), 0.5 * self.h)
+        whole, half = (held(self.A, np.concatenate([self.B, self.P], axis=1), h, 3) for h in (self.h, 0.5 * self.h))
         wheels = len(self.B.T)
         free, (hold, ramp, bend) = whole[0], (gain[:, wheels:] for gain in whole[1:])
         at_start, in_middle, at_end = hold - 3.0 * ramp + 2.0 * bend, 2.0 * ramp - 2.0 * bend, 2.0 * bend - ramp
@@ -112,16 +115,6 @@ class Stepper:
             c.force(v) if isinstance(c, Curve) else c * v for c, v in zip(self.dampers, y[self.rate], strict=True)
         ]
         return History(y, np.stack(damping))
-
-
-def _held(A: Array, B: Array, h: float) -> list[Array]:
-    """``e^(A h)``, and what inputs ``1``, ``t/h`` and ``(t/h)^2`` over a step have done at its end."""
-    n, m = B.shape
-    block = np.zeros((n + 3 * m, n + 3 * m))
-    block[:n, :n], block[:n, n : n + m] = h * A, h * B
-    block[n : n + m, n + m : n + 2 * m] = np.eye(m)
-    block[n + m : n + 2 * m, n + 2 * m :] = 2.0 * np.eye(m)
-    return np.split(expm(block)[:n], [n, n + m, n + 2 * m], axis=1)
 
 
 def _grouped(values: tuple[Any, ...], numbers: tuple[Any, ...]) -> list[tuple[Any, Curve, Any]]:

@@ -13,9 +13,10 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gamma, k0, kv
 
-from ..quantities import ROAD, briefly
+from ..quantities import ROAD, Quantity, briefly
 from ..vehicles.parameters import checked, lazy
 from .first_order import Terms, fit
+from .golden_car import mean_index
 
 REFERENCE_WAVENUMBER = 0.1
 """``n0`` of ISO 8608, cycle/m."""
@@ -25,6 +26,8 @@ CLASSES = {name: 16e-6 * 4.0**i for i, name in enumerate("ABCDEFGH")}
 
 Tracks = Literal["identical", "independent", "isotropic"]
 TRACKS: tuple[Tracks, ...] = get_args(Tracks)
+
+IRI = Quantity("iri", "m/km", "international roughness index", bound="> 0")
 
 # In x = 2 pi n B, where the coherence of two tracks falls from one to zero; and how far, as a factor of the wavenumber,
 # a bend of a spectrum reaches.
@@ -247,6 +250,34 @@ class Road:
         roughness = float(raw.shape(np.array(REFERENCE_WAVENUMBER)))
         table = tuple(zip(n.tolist(), (G / roughness).tolist(), strict=True))
         return cls(roughness=roughness, waviness=ends, table=table, **parameters)
+
+    @classmethod
+    def from_iri(cls, iri: Any, waviness: float = 2.0, **parameters: Any) -> Road:
+        """Return the road whose mean international roughness index is given.
+
+        The index grows as the square root of the roughness; `susp_ss.mean_iri` is the way back.
+
+        Parameters
+        ----------
+        iri : float, array or DataArray
+            In m/km, > 0.
+        waviness : float
+            Between 1 and 4 exclusive.
+        **parameters
+            Any other parameter of `Road`, but the roughness.
+
+        Examples
+        --------
+        >>> from susp_ss import Road, mean_iri
+        >>> road = Road.from_iri(2.5, waviness=2.2, speed=25.0)
+        >>> f"{road.roughness:.3g} m^3, {mean_iri(road):.3f} m/km"
+        '2.64e-05 m^3, 2.500 m/km'
+        """
+        if "roughness" in parameters:
+            raise ValueError("Road.from_iri finds the roughness; pass Road(roughness=...) instead of an index")
+        iri = checked(iri, "Road.from_iri(iri=...)", IRI)
+        unit = cls(roughness=1.0, waviness=waviness, **parameters)
+        return cls(roughness=(iri / mean_index(unit)) ** 2, waviness=waviness, **parameters)
 
     @property
     def intensity(self) -> Any:

@@ -62,7 +62,10 @@ class Model(Protocol):
         ...
 
     def relative_transfer(self, omega: Array) -> Array:
-        """Outputs per road velocity at ``omega`` (F,) without what integrates, (designs..., F, outputs, inputs)."""
+        """Outputs per road velocity without what integrates, (designs..., F, outputs, inputs), at ``omega``.
+
+        That is (F,), or (designs, F).
+        """
         ...
 
     def transfer(self, omega: Array) -> Array:
@@ -178,6 +181,10 @@ class RoadVehicle(ABC):
     @abstractmethod
     def damping(self) -> Array:
         """Damping rate at every corner of a flattened vehicle, (corners,) or (designs, corners)."""
+
+    def static_loads(self) -> Array | None:
+        """What every tyre of a flattened vehicle carries at rest in N, (designs..., corners); None if not known."""
+        return None
 
     @abstractmethod
     def layout(self) -> Layout:

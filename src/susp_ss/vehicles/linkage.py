@@ -19,6 +19,9 @@ from numpy.typing import ArrayLike
 from ..quantities import METRICS, Quantity
 from .second_order import Array, Layout, Outputs, Row, SecondOrder, coefficients
 
+GRAVITY = 9.81
+"""m/s^2."""
+
 
 class Motion:
     """A linear form in coordinates and road heights, such as ``z_b - a*theta - z_u``."""
@@ -233,6 +236,18 @@ class Linkage:
         at_seats = np.all(c.real[..., [links.index(link) for link in cushions]] > 0.0, axis=-1)
         object.__setattr__(model, "damped", at_corners & at_seats & (not self.links))
         return model
+
+    def static_loads(self) -> Array:
+        """What every tyre carries at rest in N, (designs..., corners), on springs that bear no load without weights.
+
+        Two axles share the weights as the lever says. What more wheels than that carry, their springs decide.
+        """
+        model = self.assemble()
+        turning = {name for motion in self.rotations.values() for name in motion.terms}
+        falling = np.array([name not in turning for name in model.layout.coordinates])
+        rest = np.linalg.solve(model.K, -GRAVITY * (model.m * falling)[..., None])
+        stretched = (model.R[..., model.tyres, :] @ rest)[..., 0]
+        return np.asarray(stretched * _stack([corner.tyre.stiffness for corner in self.corners.values()]))
 
 
 def _stiff(link: Link) -> dict[Link, Any]:

@@ -11,10 +11,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..quantities import DIMS, METRICS, Quantity, briefly
+from ..quantities import DIMS, EVENTS, METRICS, Quantity, briefly
 
 # A dim or coordinate of a sweep may not have the name of one of a result's.
-RESERVED = {*DIMS, *METRICS}
+RESERVED = {*DIMS, *METRICS, *EVENTS}
 
 
 def parameter(default: Any, unit: str, meaning: str, zero: bool = False, signed: bool = False) -> Any:
@@ -215,3 +215,8 @@ class SomeDesigns(NamedTuple):
     def place(self, design: int) -> str:
         """Where one of them lies in the whole space."""
         return self.space.place(int(self.designs[design]))
+
+
+def blocks(size: int, length: int) -> list[slice]:
+    """Parts of so many designs that are no longer than ``length``."""
+    return [slice(first, min(first + length, size)) for first in range(0, size, length)]

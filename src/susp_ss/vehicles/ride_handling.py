@@ -20,7 +20,7 @@ from ..quantities import HANDLING, ROAD, briefly
 from .full import FullCar
 from .handling_assembly import Velocities, assembled
 from .handling_model import CONTROLS, HandlingModel, handling_modes
-from .linkage import Linkage, Output, coordinates
+from .linkage import GRAVITY, Linkage, Output, coordinates
 from .parameters import checked
 from .seats import Seat
 from .second_order import Layout
@@ -31,9 +31,6 @@ if TYPE_CHECKING:
     import control
     import pandas as pd
     import xarray as xr
-
-GRAVITY = 9.81
-"""m/s^2."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -342,6 +342,10 @@ class Vehicle(RoadVehicle):
         """Damping rate at every corner of a flattened vehicle, (corners,) or (designs, corners)."""
         return np.stack(np.broadcast_arrays(*(corner.cs for corner in self._linear().corners.values()))).T
 
+    def static_loads(self) -> NDArray[np.float64]:
+        """What every tyre of a flattened vehicle carries at rest in N, (corners,) or (designs, corners)."""
+        return self._linear().static_loads()
+
     def halves(self) -> tuple[OnStruts, ...]:
         """The mean of left and right, and half their difference, of a flattened vehicle.
 

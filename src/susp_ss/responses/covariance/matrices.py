@@ -8,7 +8,7 @@ structure of a second-order system (`lyapunov`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -108,11 +108,19 @@ def lost_digits(flat: RoadVehicle, space: DesignSpace | SomeDesigns, design: int
 
 
 def moments(
-    flat: RoadVehicle, space: DesignSpace | SomeDesigns, road: Road, chosen: NDArray[np.int_], lost: float
+    flat: RoadVehicle,
+    space: DesignSpace | SomeDesigns,
+    road: Road,
+    chosen: NDArray[np.int_],
+    lost: float,
+    seen: Callable[[Any], Any] = lambda model: model,
 ) -> Moments:
-    """Covariance of some designs of a flattened vehicle, each with an error below ``lost``."""
+    """Covariance of some designs of a flattened vehicle, each with an error below ``lost``.
+
+    ``seen`` makes of a model one of the same states and other outputs.
+    """
     whole, designs, road = road, flat.select(chosen), road.select(chosen)
-    model = designs.assemble()
+    model = seen(designs.assemble())
     check_stationary(flat, road, model)
     try:
         with np.errstate(all="ignore"):
@@ -121,7 +129,7 @@ def moments(
         # A pivot of exactly zero has lost all digits, like one of rounding: whose it is, halving tells.
         if len(chosen) > 1:
             for half in np.array_split(chosen, 2):
-                moments(flat, space, whole, half, lost)
+                moments(flat, space, whole, half, lost, seen)
         raise lost_digits(flat, space, int(chosen[0])) from None
     beyond = ~(solved.error < lost)
     if beyond.any():

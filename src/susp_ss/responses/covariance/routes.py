@@ -19,6 +19,7 @@ error, and what keeps fewer than six digits there is refused.
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -27,7 +28,7 @@ from numpy.typing import NDArray
 
 from ...roads.road import Road
 from ...vehicles.contract import Model, RoadVehicle
-from ...vehicles.parameters import DesignSpace, SomeDesigns
+from ...vehicles.parameters import DesignSpace, SomeDesigns, blocks
 from ..excitation import Process, processes, vanishing_outputs
 from . import polynomials, struts
 from .compiler import compiler_found
@@ -61,18 +62,29 @@ def covariance_variances(flat: RoadVehicle, space: DesignSpace | SomeDesigns, ro
     variances = np.empty((len(flat.layout().outputs), space.size))
     left = _by_polynomials(flat, road, max(designs, space.size), variances)
     for chosen in batches(np.flatnonzero(left), BATCH):
-        model, X, error, through, infinite = moments(flat, space, road, chosen, LOST)
-        Y = model.velocity_form()[2]
-        variance = through + np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
-        terms = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0))) ** 2
-        if model.second_order:
-            values, lost = _sound(variance, terms, error, infinite)
-        else:
-            values, lost = _seen(variance, terms, error, infinite, model, processes(flat, road))
-        if lost.any():
-            raise lost_digits(flat, space, int(chosen[np.argmax(lost)]))
-        variances[:, chosen] = values.T
+        variances[:, chosen] = by_matrices(flat, space, road, chosen).T
     return variances.T
+
+
+def by_matrices(
+    flat: RoadVehicle,
+    space: DesignSpace | SomeDesigns,
+    road: Road,
+    chosen: NDArray[np.int_],
+    seen: Callable[[Any], Any] = lambda model: model,
+) -> Array:
+    """Variances (chosen, outputs) by the Lyapunov equation, of the outputs that ``seen`` gives a model."""
+    model, X, error, through, infinite = moments(flat, space, road, chosen, LOST, seen)
+    Y = model.velocity_form()[2]
+    variance = through + np.einsum("...oi,...oi->...o", Y @ X, np.broadcast_to(Y, (len(X), *Y.shape[-2:])))
+    terms = np.einsum("...oi,...i->...o", np.abs(Y), np.sqrt(np.einsum("...ii->...i", X).clip(min=0.0))) ** 2
+    if model.second_order:
+        values, lost = _sound(variance, terms, error, infinite)
+    else:
+        values, lost = _seen(variance, terms, error, infinite, model, processes(flat, road))
+    if lost.any():
+        raise lost_digits(flat, space, int(chosen[np.argmax(lost)]))
+    return values
 
 
 def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Array) -> NDArray[np.bool_]:
@@ -105,7 +117,7 @@ def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Arra
             found = whole_variances(of(whole), *here)
         variances[:, part], left[part] = found
 
-    first, *others = _blocks(size, long if compiled else block)
+    first, *others = blocks(size, long if compiled else block)
     # What has yet to be compiled is compiled here, where an interrupt reaches it.
     solve(first)
     if compiled:
@@ -115,10 +127,6 @@ def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Arra
         for part in others:
             solve(part)
     return left
-
-
-def _blocks(size: int, length: int) -> list[slice]:
-    return [slice(first, min(first + length, size)) for first in range(0, size, length)]
 
 
 def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
