@@ -5,7 +5,7 @@ import pytest
 import scipy.integrate
 import scipy.special
 import scipy.stats
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from susp_ss.metrics import extremes
@@ -40,11 +40,11 @@ def test_peaks_are_those_of_rice_s_distribution(waves, irregularity):
 
     # Rice's tail is g e^(-r^2/2) to what is left of the normal one, which counts where there are few waves.
     mean = scipy.integrate.quad(exceeded, 1e-9, 12.0, limit=200)[0]
-    assert extremes.cartwright(np.array(waves), np.array(g)) == pytest.approx(
-        mean, rel=0.015 if waves < 100.0 else 5e-3
-    )
+    rel = 0.015 if waves < 100.0 else 5e-3
+    assert extremes.cartwright(np.array(waves), np.array(g)) == pytest.approx(mean, rel=rel)
 
 
+@settings(max_examples=20)
 @given(st.floats(1e3, 1e9), st.floats(0.02, 1.0))
 def test_clumps_make_the_highest_value_lower(waves, bandwidth):
     one_by_one = extremes.cartwright(np.array(waves), np.array(0.0))
@@ -56,7 +56,7 @@ def test_clumps_make_the_highest_value_lower(waves, bandwidth):
 def test_all_estimates_meet_where_the_stretch_is_long():
     N = np.array(1e9)
     one_by_one = scipy.integrate.quad(lambda r: -np.expm1(-N * np.exp(-0.5 * r**2)), 0.0, 12.0)[0]
-    assert extremes.cartwright(N, np.array(0.0)) == pytest.approx(one_by_one, rel=1e-9)
+    assert extremes.cartwright(N, np.array(0.0)) == pytest.approx(one_by_one, rel=1e-8)
     assert extremes.davenport(N) == pytest.approx(one_by_one, rel=3e-3)
     assert extremes.vanmarcke(N, np.array(1.0)) == pytest.approx(one_by_one, rel=1e-4)
 

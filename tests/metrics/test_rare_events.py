@@ -98,9 +98,11 @@ def test_irregularity_is_that_of_a_simulation(ride):
     assert close(crossings(at["sws"], 0.0) / peaks, float(ss.rare_events(car, road).irregularity), 0.01)
 
 
-@settings(max_examples=10)
-@given(st.floats(0.1, 10.0), st.sampled_from([models.VEHICLES["pitch half"], models.VEHICLES["full, bars"]]))
-def test_only_the_ratio_of_clearance_to_road_counts(factor, car):
+@settings(max_examples=5)
+@given(st.floats(0.1, 10.0))
+def test_only_the_ratio_of_clearance_to_road_counts(factor):
+    car = ss.PitchHalfCar()
+
     def bump(scale):
         road = ss.Road(roughness=256e-6 * scale**2, contact_length=0.1, tracks="isotropic")
         return ss.rare_events(car, road, clearance=0.03 * scale)

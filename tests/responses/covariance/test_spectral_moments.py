@@ -46,8 +46,8 @@ FINITE = {"bacc": 4, "sws": 4, "dtl": 3}
 def test_moments_are_the_integrals_of_spectra(case):
     vehicle, road = CASES[case]
     found, integrals = moments(vehicle, road), dense(vehicle, road)
-    # The fit of the coherence is good to 1e-4, and trapezia to 1e-5.
-    rtol = 5e-4 if road.tracks == "isotropic" else 5e-5
+    # The fit of the coherence is good to 1e-4, and so are trapezia where axles interfere ever faster.
+    rtol = 5e-4 if road.tracks == "isotropic" else 2e-4
     for name, own in found.items():
         kind = name.partition("_")[0]
         if kind not in FINITE:
@@ -69,7 +69,7 @@ def test_a_quarter_car_has_the_moments_of_closed_forms():
 
 @pytest.mark.parametrize("cs", [300.0, 1500.0, 9000.0])
 def test_the_first_moment_is_a_matrix_logarithm(cs):
-    # R(t) = y e^(A t) X y' has |omega| S for its spectrum's first moment, -(2/pi) int R'(t)/t dt = (2/pi) y A ln(-A) X y'.
+    # With R(t) = y e^(A t) X y' the first moment is -(2/pi) int R'(t)/t dt = (2/pi) y A ln(-A) X y'.
     car, road = ss.QuarterCar(cs=cs), ss.Road()
     A = np.array(
         [
