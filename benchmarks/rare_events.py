@@ -3,8 +3,8 @@
 A hundred profiles of 20 km, of as many seeds, are driven over at 20 m/s: how often a deflection reaches a level and a
 wheel leaves the ground, how high deflections and loads come on a kilometre, and what rainflow counting makes of the
 spring's force. Records are independent, so that their scatter tells the error. A profile has no waves shorter than two
-of its steps, which takes half a per cent from the rates of tyre loads. Writes a table under
-``benchmarks/results``.
+of its steps, and less of them for a wheel between its points, which takes half to one per cent from the rates of tyre
+loads. Writes a table under ``benchmarks/results``.
 
     python benchmarks/rare_events.py [--records 100]
 """

@@ -170,7 +170,13 @@ def test_damage_counts_cycles_of_the_reference():
 @pytest.mark.parametrize(
     ("vehicle", "road", "more", "kind", "said"),
     [
-        (ss.QuarterCar(), ss.Road(), {}, ValueError, "infinite rate of lift-off: .* contact_length > 0"),
+        (
+            ss.QuarterCar(),
+            ss.Road(),
+            {},
+            ValueError,
+            r"infinite rate of lift-off, .* Road\(contact_length=...\) must be > 0",
+        ),
         (
             ss.QuarterCar(ct=np.array([0.0, 50.0])),
             ROAD,
