@@ -53,6 +53,7 @@ bench: .venv/installed-test
 	$(BIN)/python benchmarks/any_road_any_system.py
 	$(BIN)/python benchmarks/surrogates.py
 	$(BIN)/python benchmarks/intervals.py
+	$(BIN)/python benchmarks/rare_events.py
 	$(BIN)/python benchmarks/damaged_files.py
 	$(BIN)/python benchmarks/sweeps.py
 

@@ -141,7 +141,7 @@ def _document(vehicle: dict[str, Any], road: "Road", method: str, result: "xr.Da
         "method": method,
         "units": {name: data.attrs["units"] for name, data in result.items()},
         "metrics": {
-            name: {place: json_number(value) for place, value in _by_place(data)}
+            name: {place: json_number(value) for place, value in by_place(data)}
             if data.dims
             else json_number(data.item())
             for name, data in result.items()
@@ -158,7 +158,7 @@ def _comment(data: "xr.DataArray") -> str:
     return f"; {data.attrs['comment']}" if "comment" in data.attrs and float("inf") in data.values else ""
 
 
-def _by_place(data: "xr.DataArray") -> list[tuple[str, float]]:
+def by_place(data: "xr.DataArray") -> list[tuple[str, float]]:
     (dim,) = data.dims
     return list(zip(data[dim].values.tolist(), data.values.tolist(), strict=True))
 
@@ -170,7 +170,7 @@ def _print(vehicle: str, road: "Road", result: "xr.Dataset") -> None:
         table.add_column(place, justify="right")
     for name, data in result.items():
         if data.dims:
-            at = dict(_by_place(data))
+            at = dict(by_place(data))
             cells = [f"{at[place]:.4g}" if place in at else "" for place in places]
         else:
             cells = [f"{data.item():.4g}"]

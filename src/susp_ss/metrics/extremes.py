@@ -69,7 +69,7 @@ class Gaussian(NamedTuple):
     def highest(self, seconds: Array) -> Array:
         """Expected highest value within a time, (..., estimates)."""
         waves = np.asarray(self.rate * seconds)
-        finite = np.where(np.isfinite(waves), waves, 1.0)
+        finite = np.where(np.isfinite(waves), waves, 10.0)
         factors = np.stack(
             [vanmarcke(finite, self.bandwidth), davenport(finite), cartwright(finite, self.irregularity)], axis=-1
         )

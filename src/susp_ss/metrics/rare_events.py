@@ -73,7 +73,8 @@ def rare_events(
         highest values on the stretch, on dim "estimate": ``vanmarcke``, ``davenport``, ``cartwright``.
         ``bacc_crossings`` and so on (1/s), and the ``irregularity`` of the suspension's deflection, zero crossings over
         peaks, 1 of a sine. ``damage`` of the suspension's spring on dim "counting": ``narrow_band``, ``dirlik``. A
-        `LinearVehicle` has no static loads and no springs, and what needs them is left out.
+        `LinearVehicle` has no static loads and no springs, and what needs them is left out. The attributes say over
+        which stretch and against which range of the spring's force all this is meant.
 
     Raises
     ------
@@ -148,6 +149,8 @@ def rare_events(
         ranges = of("sws", lambda process: process.ranges(slope), dims=("counting",))
         found["damage"] = stretch / cycles * (stiffness / reference) ** slope * ranges
     events = xr.Dataset({name: found[name].assign_attrs(_said(name)) for name in EVENTS if name in found})
+    over = {"distance": metres} if seconds is None else {"duration": seconds}
+    events.attrs |= {**over, "sn_slope": slope, "sn_range": reference, "sn_cycles": cycles}
     if straight is not None:
         events[SHIFT.name] = shifted(layout, space, straight.shift, "{statistic} {meaning}")
         events.attrs["comment"] = LINEARISED
@@ -225,11 +228,12 @@ def _check_lift_off(vehicle: RoadVehicle, space: DesignSpace, road: Road, loads:
     if not beyond.any():
         return
     first = int(np.argmax(beyond))
+    of = f"{type(vehicle).__name__}{space.place(first)} has an infinite rate of lift-off"
     if road.velocity_is_bounded or not np.isfinite(m0[first]).all():
-        why = "a damper passes the road's velocity on to the tyre load; pass ct=0, and a tyre that is not rigid"
-    else:
-        why = (
-            "on a road of white velocity tyre loads change infinitely fast; pass a road with contact_length > 0, such "
-            "as Road(contact_length=0.1), over which a tyre levels it out"
+        raise ValueError(
+            f"{of}, as a damper passes the road's velocity on to the tyre load: pass ct=0, and a tyre that is not rigid"
         )
-    raise ValueError(f"{type(vehicle).__name__}{space.place(first)} has an infinite rate of lift-off: {why}")
+    raise ValueError(
+        f"{of}, as tyre loads change infinitely fast on a road of white velocity: Road(contact_length=...) must be > 0 "
+        "m, such as 0.1, over which a tyre levels it out"
+    )
