@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -15,7 +14,7 @@ from ..quantities import briefly
 from .gaussian_process import KERNELS, LEAST_THETA, MOST_NOISE, MOST_THETA, Prediction, Process
 from .left_out import left_out
 from .low_fidelity import check_callable, evaluated
-from .regressor import BATCH, DEPENDENT, Approximation, Array, independent
+from .regressor import BATCH, DEPENDENT, Approximation, Array, independent, monomials
 
 TRENDS = {"constant": 0, "linear": 1, "quadratic": 2}
 """Degrees of the trends that are monomials."""
@@ -195,12 +194,7 @@ class _GaussianProcess(Approximation):
 
 
 def _trend(Z: Array, guides: Array, degree: int) -> Array:
-    columns = [
-        np.prod(Z[:, factors], axis=1)
-        for power in range(degree + 1)
-        for factors in itertools.combinations_with_replacement(range(Z.shape[1]), power)
-    ]
-    return np.column_stack([*columns, guides])
+    return np.column_stack([monomials(Z, degree), guides])
 
 
 def _degree_of(trend: Any) -> int:
