@@ -13,11 +13,10 @@ from scipy.interpolate import RBFInterpolator
 from scipy.linalg import lapack
 from scipy.spatial.distance import cdist
 from scipy.special import xlogy
-from sklearn.preprocessing import PolynomialFeatures
 
 from ..quantities import briefly, whole_number
 from .left_out import left_out
-from .regressor import Approximation, Array, independent
+from .regressor import Approximation, Array, independent, monomials
 
 # phi(r) with scipy's signs, after the study's Eqs 10 to 21, where r^2 ln r is 0 at r = 0, and Eq 15 has a misprint for
 # exp(-r^2 / (2 sigma^2)): shape = 1 / (sqrt(2) sigma).
@@ -102,7 +101,7 @@ class RadialBasis(Approximation):
         shape = self._shape()
         self.box_ = self._box(designs)
         Z = self.box_.transform(designs)
-        n, m = _tail(Z, degree).shape
+        n, m = monomials(Z, degree).shape
         needed = m + (shape is None)
         if n < needed:
             raise ValueError(
@@ -159,7 +158,7 @@ class RadialBasis(Approximation):
         inverse = np.linalg.inv(_conditions(Z, self.kernel, self.shape_, degree))
         predicted = responses.copy()
         distinct = [np.unique(self._of_run[S]) for S in folds]
-        for S, errors, _ in left_out(inverse[: len(Z), : len(Z)], responses, _tail(Z, degree), distinct):
+        for S, errors, _ in left_out(inverse[: len(Z), : len(Z)], responses, monomials(Z, degree), distinct):
             predicted[S] -= errors
         return predicted[self._of_run], None
 
@@ -217,14 +216,14 @@ def _determined(Z: Array, kernel: str, shape: float, degree: int) -> bool:
     The tail is judged by the singular values of its monomials on the scaled columns. The bumps may be as flat as 16
     digits bear: beyond that the weights are noise, whether or not an elimination meets a pivot of exactly zero.
     """
-    if not independent(_tail(Z, degree)):
+    if not independent(monomials(Z, degree)):
         return False
     return bool(_reciprocal_condition(_conditions(Z, kernel, shape, degree)) > np.finfo(float).eps)
 
 
 def _conditions(Z: Array, kernel: str, shape: float, degree: int) -> Array:
     """The matrix of the interpolation conditions and of the tail's."""
-    P = _tail(Z, degree)
+    P = monomials(Z, degree)
     return np.block([[KERNELS[kernel](shape * cdist(Z, Z)), P], [P.T, np.zeros((P.shape[1], P.shape[1]))]])
 
 
@@ -241,8 +240,3 @@ def _best_shape(Z: Array, y: Array, kernel: str, degree: int) -> float:
     shapes = SHAPES / distances.min(axis=1).mean()
     sizes = [np.linalg.norm(leave_one_out(Z, y, kernel, shape, degree)) for shape in shapes]
     return float(shapes[np.argmin(sizes)])
-
-
-def _tail(Z: Array, degree: int) -> Array:
-    """Monomials (n, m) of the polynomial tail."""
-    return PolynomialFeatures(degree).fit_transform(Z) if degree >= 0 else np.empty((len(Z), 0))
