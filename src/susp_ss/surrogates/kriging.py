@@ -98,6 +98,11 @@ class _GaussianProcess(Approximation):
     def _std(self, designs: Array) -> Array:
         return self._batched(self.process_.std, designs)
 
+    def covariance(self, X: ArrayLike) -> Array:
+        """Covariance (n, n) of the responses at designs X (n, k) as the runs leave it, without a run's own noise."""
+        designs = self._columns(X)
+        return self.process_.covariance(self.box_.transform(designs), self._trend_at(designs))
+
     def _at_with_size(self, designs: Array) -> tuple[Array, Array]:
         # Where a trend meets all runs, next to nothing: errors are then alike.
         return self._at(designs), np.maximum(self._std(designs), np.finfo(float).tiny)

@@ -1,0 +1,194 @@
+"""Where to spend the next expensive runs, and whether they would help.
+
+Both ask what the runs have left to know: the variance that Kriging or co-Kriging states, of the surrogate taken where
+it is one of them, else of the better of the two, fitted to the same runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import islice
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from ..quantities import briefly, whole_number
+from ..surrogates.kriging import CoKriging, Kriging
+from ..surrogates.next_designs import (
+    FILLING,
+    LOOKED_AT,
+    ROUNDING,
+    SAME,
+    Knowledge,
+    filling,
+    knowledge,
+    most_telling,
+    nearest_square,
+    over,
+)
+from ..surrogates.sampling import sides
+from .fitting import Fit, OutputFit
+from .runs import bounded
+
+Array = NDArray[np.float64]
+
+# Designs are given to so many steps along each side of the box, rounded to a decimal place.
+STEPS = 1000.0
+
+MOST = 100
+"""Runs that may be asked for at once."""
+
+# Less than this share of the error would go if there were twice as many runs: they hardly help.
+LITTLE = 0.1
+
+
+class NextRuns(NamedTuple):
+    """The next runs, and what chose them.
+
+    Attributes
+    ----------
+    designs : DataFrame, (n, k)
+        In SI units, a column an input.
+    filling : int
+        How many of them, the first, fill the box.
+    by : dict of str to str
+        For each output the surrogate whose variance the others lower.
+    """
+
+    designs: pd.DataFrame
+    filling: int
+    by: dict[str, str]
+
+
+class Outlook(NamedTuple):
+    """What twice as many runs would make of the error of a prediction of a run, its own noise included.
+
+    Attributes
+    ----------
+    by : str
+        The surrogate whose variance says so.
+    noise : float
+        Standard deviation of a run's own noise, in the unit of the output.
+    share : float
+        The error with twice as many runs over that now.
+    """
+
+    by: str
+    noise: float
+    share: float
+
+    @property
+    def helps(self) -> bool:
+        """Whether they are worth it."""
+        return self.share <= 1.0 - LITTLE
+
+
+def next_runs(fit: Fit, runs: int = 5, box: Mapping[str, Sequence[float]] | None = None) -> pd.DataFrame:
+    """Say which designs to give to the expensive model next.
+
+    While there are few runs, up to three for each input, those that fill the box: each is the farthest from all others.
+    Then those after which the surrogates know most: each lowers the mean over the box of the predicted variance the
+    most, in shares of each output's own variance over the runs, summed over the outputs. A run's result does not enter
+    its variance, so that several follow from one another without being made (integrated variance: J. Sacks et al.,
+    *Statistical Science* 4, 1989; D. Cohn, *Neural Networks* 9, 1996). The variance is that of the surrogate taken, if
+    it is Kriging or co-Kriging; the others have none, and the better of those two stands in.
+
+    Parameters
+    ----------
+    fit : Fit
+        From `fit_runs`.
+    runs : int
+        How many, up to 100.
+    box : mapping of str to (low, high), optional
+        Bounds of some inputs, in SI units; the others stay within the runs of the fit.
+
+    Returns
+    -------
+    DataFrame, (runs, k)
+        A column an input, in SI units; the most telling first. No design stands there twice, and none of the fit's.
+
+    Raises
+    ------
+    TypeError, ValueError
+        ``fit`` is none, ``runs`` no whole number from 1 to 100, or ``box`` names what is no input or has bad bounds.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import susp_ss as ss
+    >>> path, box = pathlib.Path(tempfile.mkdtemp(), "runs.csv"), {"ks": (15e3, 25e3), "cs": (1e3, 2e3)}
+    >>> X = ss.sample(box, 8)
+    >>> X.assign(gap=1e-3 * X.ks + 1e-6 * (X.cs - 1e3) ** 2).to_csv(path, index=False)
+    >>> runs = ss.read_runs(path, {"ks": "ks", "cs": "cs"}, {"gap": "gap"})
+    >>> ss.next_runs(ss.fit_runs(runs, ss.LowFidelity(ss.QuarterCar(), ss.Road())), 3, box).round()
+            ks      cs
+    0  15000.0  1000.0
+    1  24980.0  1506.0
+    2  15000.0  2000.0
+    """
+    return planned(fit, runs, box).designs
+
+
+def planned(fit: Fit, runs: int, box: Mapping[str, Sequence[float]] | None = None) -> NextRuns:
+    """The designs of `next_runs`, and what chose them."""
+    if not isinstance(fit, Fit):
+        raise TypeError(f"fit must be a Fit, as fit_runs returns it, got {briefly(fit)}")
+    count, bounds = whole_number("runs", runs, 1, MOST, f"from 1 to {MOST}"), _bounds(fit, box)
+    lows, highs = (np.array(ends) for ends in sides(bounds))
+    designs = over(bounds)
+    unit, made = ((X - lows) / (highs - lows) for X in (designs, fit.runs.designs.to_numpy()))
+    known = {output: one for output in fit.outputs if (one := _known(fit, output, designs)) and one.variance > ROUNDING}
+    few = FILLING * len(bounds) - len(np.unique(made, axis=0))
+    first = list(islice(filling(unit, made), min(count, max(few, 0)) if known else count))
+    fresh = nearest_square(unit, np.concatenate([made, unit[first]])) > SAME
+    left = [one.after(first) for one in known.values()]
+    others = list(islice(most_telling(left, fresh), count - len(first)))
+    table = pd.DataFrame(_rounded(designs[first + others], lows, highs), columns=list(bounds))
+    return NextRuns(table, len(first), {output: str(_knowing(fit.outputs[output])) for output in known})
+
+
+def outlook(fit: Fit, output: str) -> Outlook | None:
+    """What twice as many runs, spread over the box, would do; None where neither Kriging nor co-Kriging was fitted."""
+    now = _known(fit, output, over(fit.surrogate.box))
+    if now is None:
+        return None
+    then = now.after(range(min(len(fit.runs.rows), LOOKED_AT)))
+    share = np.sqrt((then.variance + then.noise) / (now.variance + now.noise))
+    by = str(_knowing(fit.outputs[output]))
+    return Outlook(by, float(fit.outputs[output].models[by].noise_), float(share))
+
+
+def _bounds(fit: Fit, box: Mapping[str, Sequence[float]] | None) -> dict[str, Sequence[float]]:
+    """The box of the runs, with the bounds that are stated in place of theirs."""
+    bounds: dict[str, Sequence[float]] = {**fit.surrogate.box}
+    if box is not None:
+        for name, ends in zip(box, zip(*sides(box), strict=True), strict=True):
+            if name not in bounds:
+                raise ValueError(f"box has no input named {name!r}, available: {', '.join(bounds)}")
+            bounds[name] = [bounded(name, end, f"box[{name!r}]", end) for end in ends]
+    return bounds
+
+
+def _knowing(found: OutputFit) -> str | None:
+    """The surrogate whose variance says what the runs have left to know."""
+    names = (found.chosen, *found.comparison.table.index)
+    return next((name for name in names if isinstance(found.models[name], Kriging | CoKriging)), None)
+
+
+def _known(fit: Fit, output: str, designs: Array) -> Knowledge | None:
+    """What they have left at designs (N, k), in shares of the standard deviation of the responses."""
+    by = _knowing(fit.outputs[output])
+    if by is None:
+        return None
+    model: Any = fit.outputs[output].models[by]
+    scale = max(float(fit.runs.responses[output].std()), np.finfo(float).tiny)
+    return knowledge(model, pd.DataFrame(designs, columns=list(fit.surrogate.inputs)), scale)
+
+
+def _rounded(designs: Array, lows: Array, highs: Array) -> Array:
+    """Designs as one would set them, within the box."""
+    places = -np.floor(np.log10((highs - lows) / STEPS)).astype(int)
+    columns = [np.round(column, place) for column, place in zip(designs.T, places.tolist(), strict=True)]
+    return np.clip(np.stack(columns, axis=1), lows, highs)
