@@ -6,6 +6,8 @@ it is one of them, else of the better of the two, fitted to the same runs.
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Mapping, Sequence
 from itertools import islice
 from typing import Any, NamedTuple
@@ -14,11 +16,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from ..quantities import briefly, whole_number
+from ..quantities import briefly, quantity_of, whole_number
 from ..surrogates.kriging import CoKriging, Kriging
 from ..surrogates.next_designs import (
     FILLING,
     LOOKED_AT,
+    MOST,
     ROUNDING,
     SAME,
     Knowledge,
@@ -29,16 +32,13 @@ from ..surrogates.next_designs import (
     over,
 )
 from ..surrogates.sampling import sides
+from ..units import factor_of
 from .fitting import Fit, OutputFit
-from .runs import bounded
 
 Array = NDArray[np.float64]
 
 # Designs are given to so many steps along each side of the box, rounded to a decimal place.
 STEPS = 1000.0
-
-MOST = 100
-"""Runs that may be asked for at once."""
 
 # Less than this share of the error would go if there were twice as many runs: they hardly help.
 LITTLE = 0.1
@@ -135,7 +135,7 @@ def planned(fit: Fit, runs: int, box: Mapping[str, Sequence[float]] | None = Non
     """The designs of `next_runs`, and what chose them."""
     if not isinstance(fit, Fit):
         raise TypeError(f"fit must be a Fit, as fit_runs returns it, got {briefly(fit)}")
-    count, bounds = whole_number("runs", runs, 1, MOST, f"from 1 to {MOST}"), _bounds(fit, box)
+    count, bounds = whole_number("runs", runs, 1, MOST, f"from 1 to {MOST}"), fit.runs.box(box)
     lows, highs = (np.array(ends) for ends in sides(bounds))
     designs = over(bounds)
     unit, made = ((X - lows) / (highs - lows) for X in (designs, fit.runs.designs.to_numpy()))
@@ -149,26 +149,47 @@ def planned(fit: Fit, runs: int, box: Mapping[str, Sequence[float]] | None = Non
     return NextRuns(table, len(first), {output: str(_knowing(fit.outputs[output])) for output in known})
 
 
+def asked_for(fit: Fit) -> NextRuns | None:
+    """The next runs that `fit_runs` was asked for, if any."""
+    count = fit.asked["next_runs"]
+    return planned(fit, count, fit.asked["next_box"]) if count else None
+
+
+def in_file_units(fit: Fit, designs: pd.DataFrame) -> pd.DataFrame:
+    """Designs in the units, and under the columns, of the file of the runs."""
+    columns = {}
+    for name, values in designs.items():
+        quantity, unit = quantity_of(str(name)), fit.runs.stated[str(name)]
+        columns[fit.runs.columns[str(name)]] = values / ((factor_of(unit, quantity) if quantity else None) or 1.0)
+    return pd.DataFrame(columns)
+
+
+def to_fill_in(fit: Fit, designs: pd.DataFrame) -> str:
+    """Designs as a table that `read_runs` takes once its outputs are filled in, with the decimal sign of the runs."""
+    runs, shown = fit.runs, in_file_units(fit, designs)
+    comma = runs.read[1].get("decimal") == ","
+    names = [*map(str, runs.designs), *map(str, runs.responses)]
+    file = io.StringIO()
+    write = csv.writer(file, delimiter=";" if comma else ",", lineterminator="\n").writerow
+    write(runs.columns[name] for name in names)
+    units = [runs.stated[name] for name in names]
+    if any(units):
+        write(units)
+    for row in shown.itertuples(index=False):
+        numbers = (f"{value:.10g}" for value in row)
+        write([*(one.replace(".", ",") if comma else one for one in numbers), *[""] * len(runs.responses.columns)])
+    return file.getvalue()
+
+
 def outlook(fit: Fit, output: str) -> Outlook | None:
     """What twice as many runs, spread over the box, would do; None where neither Kriging nor co-Kriging was fitted."""
-    now = _known(fit, output, over(fit.surrogate.box))
+    now = _known(fit, output, over(fit.runs.box()))
     if now is None:
         return None
     then = now.after(range(min(len(fit.runs.rows), LOOKED_AT)))
     share = np.sqrt((then.variance + then.noise) / (now.variance + now.noise))
     by = str(_knowing(fit.outputs[output]))
     return Outlook(by, float(fit.outputs[output].models[by].noise_), float(share))
-
-
-def _bounds(fit: Fit, box: Mapping[str, Sequence[float]] | None) -> dict[str, Sequence[float]]:
-    """The box of the runs, with the bounds that are stated in place of theirs."""
-    bounds: dict[str, Sequence[float]] = {**fit.surrogate.box}
-    if box is not None:
-        for name, ends in zip(box, zip(*sides(box), strict=True), strict=True):
-            if name not in bounds:
-                raise ValueError(f"box has no input named {name!r}, available: {', '.join(bounds)}")
-            bounds[name] = [bounded(name, end, f"box[{name!r}]", end) for end in ends]
-    return bounds
 
 
 def _knowing(found: OutputFit) -> str | None:

@@ -24,6 +24,9 @@ from .sampling import sides
 # Designs that are looked at, of a Sobol sequence; the corners of the box join them, up to so many inputs.
 LOOKED_AT, CORNERED = 512, 4
 
+MOST = 100
+"""Runs that may be asked for at once."""
+
 # Runs for each input that fill the box before any variance is believed. With more of them nothing was gained on cars.
 FILLING = 3
 
