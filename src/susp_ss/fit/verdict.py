@@ -125,7 +125,7 @@ def verdict(
         The unit that its numbers were taken to be in.
     """
     errors = of_mean(y), comparison.validations[chosen].residuals
-    low, high = bootstrap.bounds(bootstrap.ratio, *errors, confidence=0.95)
+    low, high = map(float, bootstrap.bounds(bootstrap.ratio, *errors, confidence=0.95))
     return Verdict(
         float(bootstrap.ratio(*errors, axis=-1)),
         low,

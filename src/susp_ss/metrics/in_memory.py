@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from ..quantities import SHIFT
 from ..responses.covariance.linearisation import linearise
 from ..responses.covariance.routes import covariance_variances
-from ..responses.excitation import spanned
+from ..responses.excitation import design_space, spanned
 from ..responses.filters import Filter
-from ..responses.labels import labelled_outputs, shifted
+from ..responses.labels import labelled_outputs, shifted, values_of
 from ..responses.simulation import Moments, time_moments
 from ..responses.spectral import spectral_variances
 from ..roads.road import Road
@@ -44,6 +44,24 @@ def metrics_in_memory(
     vehicle: RoadVehicle, road: Road, method: str, designs: int, weighting: Mapping[str, Filter], **record: Any
 ) -> xr.Dataset:
     """Metrics of a vehicle in memory, part of a sweep of so many designs; ``record`` is for time histories."""
+    space, found = _moments(vehicle, road, method, designs, weighting, **record)
+    return _labelled(vehicle.layout(), space, found, weighting)
+
+
+def one_metric(vehicle: RoadVehicle, road: Road, name: str, place: str | None) -> Array:
+    """A single metric (designs,), exact and without labels, which take as long as some hundred designs."""
+    _, found = _moments(vehicle, road, "covariance", design_space(vehicle, road).size, {})
+    layout = vehicle.layout()
+    _, places = layout.variables[name]
+    values = values_of(layout, name, found.variances, found.power)
+    one = values[:, 0 if place is None else places.index(place)]
+    return one if name == "damper_power" else np.sqrt(one)
+
+
+def _moments(
+    vehicle: RoadVehicle, road: Road, method: str, designs: int, weighting: Mapping[str, Filter], **record: Any
+) -> tuple[DesignSpace, Moments]:
+    """The designs that a vehicle and a road span, and their variances, damper powers and mean deflections."""
     space, flat, road = spanned(vehicle, road)
     layout = vehicle.layout()
     straight = linearise(flat, space, road, designs) if flat.curved and method != "time" else None
@@ -67,7 +85,7 @@ def metrics_in_memory(
         found.variances[:, rows] = through.variances[:, rows]
         if found.errors is not None and through.errors is not None:
             found.errors[:, rows] = through.errors[:, rows]
-    return _labelled(layout, space, found, weighting)
+    return space, found
 
 
 def template(layout: Layout, method: str, weighting: Mapping[str, Filter], curved: bool) -> xr.Dataset:

@@ -17,7 +17,7 @@ from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.curves import Curve, rate_of, rated
 from ..vehicles.vehicle import joined
-from .ride import ride_metrics
+from .in_memory import one_metric
 
 Array = NDArray[np.float64]
 
@@ -169,5 +169,4 @@ class Response:
             if isinstance(values, dict):
                 fields[field] = joined(values)
         vehicle = dataclasses.replace(self.vehicle, **fields) if fields else self.vehicle
-        metric = ride_metrics(vehicle, road)[self.criterion]
-        return np.broadcast_to((metric if self.at is None else metric.sel({metric.dims[-1]: self.at})).to_numpy(), n)
+        return np.broadcast_to(one_metric(vehicle, road, self.criterion, self.at), n)

@@ -45,7 +45,7 @@ def labelled_outputs(
     """
     arrays = {}
     for name, (quantity, places) in layout.variables.items():
-        data = power if name == "damper_power" else _columns(values, layout.outputs.of(name))
+        data = values_of(layout, name, values, power)
         shaped = data if dim_of(quantity, places) else data[:, 0]
         arrays[name] = shaped.reshape((*space.shape, *shaped.shape[1:]))
     labelled = _empty(layout, space.dims, space.shape, dims, values.shape[2:], long_name).copy(data=arrays)
@@ -86,7 +86,13 @@ def _empty(
     return xr.Dataset(variables, labels)
 
 
-def _columns(values: NDArray[np.float64], rows: slice | list[int]) -> NDArray[np.float64]:
+def values_of(
+    layout: Layout, name: str, values: NDArray[np.float64], power: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """A variable's part (designs, places, ...) of the outputs and damper powers of all."""
+    if name == "damper_power":
+        return power
+    rows = layout.outputs.of(name)
     if isinstance(rows, slice):
         return values[:, rows]
     # Taken by rows of the transpose, which keeps one design after another in memory if they are.

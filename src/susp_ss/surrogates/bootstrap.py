@@ -12,19 +12,21 @@ from scipy import stats
 from .regressor import Array
 
 # Of the runs, and how many of them at once.
-RESAMPLES, TOGETHER = 9999, 1000
+RESAMPLES, TOGETHER = 9999, 100
 
 
-def bounds(
-    statistic: Callable[..., Any], *columns: Array, confidence: float, method: str = "BCa"
-) -> tuple[float, float]:
-    """Bounds of a statistic of paired columns (n,), over resampled runs; BCa's are NaN if these are all alike."""
+def bounds(statistic: Callable[..., Any], *columns: Array, confidence: float, method: str = "BCa") -> tuple[Any, Any]:
+    """Bounds of a statistic of paired columns (..., n), over resampled runs; BCa's are NaN if these are all alike.
+
+    They have the shape of the statistic: what shares the resamples costs little more than one.
+    """
     with warnings.catch_warnings(), np.errstate(divide="ignore", invalid="ignore"):
         warnings.simplefilter("ignore", stats.DegenerateDataWarning)
         found = stats.bootstrap(
             columns,
             statistic,
             paired=True,
+            axis=-1,
             vectorized=True,
             confidence_level=confidence,
             method=method,
@@ -32,15 +34,17 @@ def bounds(
             batch=TOGETHER,
             rng=0,
         ).confidence_interval
-    return float(found.low), float(found.high)
+    return found.low, found.high
 
 
 def rmse(errors: Array, axis: int) -> Any:
     return np.sqrt(np.mean(errors**2, axis=axis))
 
 
-def r2(y: Array, errors: Array, axis: int) -> Any:
-    return 1.0 - np.mean(errors**2, axis=axis) / np.var(y, axis=axis)
+def r2_and_rmse(y: Array, errors: Array, axis: int) -> Array:
+    """Both (2, ...)."""
+    squares = np.mean(errors**2, axis=axis)
+    return np.stack([1.0 - squares / np.var(y, axis=axis), np.sqrt(squares)])
 
 
 def ratio(errors: Array, others: Array, axis: int) -> Any:

@@ -23,8 +23,11 @@ SCAN = 65
 # Designs of the cheap model in one call.
 TOGETHER = 50_000
 
-# A sum of squares that varies less than this over the whole scan varies by rounding alone.
+# Sums of squares that vary less than this vary by rounding alone.
 INERT = 1e-10
+
+# Of the range: a minimum nearer to a bound is at it, and Newton's last step is no longer.
+BESIDE, LAST = 1e-9, 1e-8
 
 
 class ParameterBased(TunedModel):
@@ -32,9 +35,10 @@ class ParameterBased(TunedModel):
 
     ``S(x) = f(x; a)`` with a by ``min sum (S - F)^2`` (*Feasibility study of surrogate model for the application of
     vehicle suspension system*, 2021, Eqs 45 and 46; its parameter is the sprung mass). The sum of squares may have
-    several minima: it is scanned over the bounds on 65 values, every valley of the scan is refined by Brent's method,
-    and the lowest is taken. That is the global minimum unless it hides in a valley narrower than two of the scan's
-    steps, which are geometric for a positive range (4.8 % for the default bounds) and equal otherwise.
+    several minima: it is scanned over the bounds on 65 values, every valley of the scan is refined by Newton's steps,
+    or Brent's method where these do not arrive, and the lowest is taken. That is the global minimum unless it hides in
+    a valley narrower than two of the scan's steps, which are geometric for a positive range (4.8 % for the default
+    bounds) and equal otherwise.
 
     Parameters
     ----------
@@ -88,9 +92,6 @@ class ParameterBased(TunedModel):
             """Of the cheap model from the expensive one, a row a fraction."""
             return (_at_values(self.low_fidelity, designs, [value(one) for one in u]) - responses) / unit
 
-        def squares(u: float) -> float:
-            return float((deviations(u) ** 2).sum())
-
         grid = np.linspace(0.0, 1.0, SCAN)
         scanned = (deviations(*grid) ** 2).sum(axis=1)
         if np.ptp(scanned) <= INERT * scanned.max():
@@ -100,11 +101,10 @@ class ParameterBased(TunedModel):
             )
         best, least = float(grid[np.argmin(scanned)]), scanned.min()
         for i in _valleys(scanned):
-            bracket = (grid[max(i - 1, 0)], grid[min(i + 1, SCAN - 1)])
-            found = minimize_scalar(squares, bounds=bracket, method="bounded", options={"xatol": 1e-9})
-            if found.fun < least:
-                best, least = float(found.x), found.fun
-        best = _polished(deviations, best)
+            u = _bottom(deviations, *(float(grid[min(max(j, 0), SCAN - 1)]) for j in (i - 1, i, i + 1)))
+            lowest = (deviations(u) ** 2).sum()
+            if lowest <= (1.0 + INERT) * least:
+                best, least = u, min(lowest, least)
         self.at_bound_ = {0.0: "lower", 1.0: "upper"}.get(best)
         self.parameter_ = {"lower": low, "upper": high, None: value(best)}[self.at_bound_]
         if self.at_bound_ is not None:
@@ -176,22 +176,36 @@ def _valleys(values: NDArray[np.float64]) -> NDArray[np.int_]:
     return np.flatnonzero((values <= left) & (values < right))
 
 
-def _polished(deviations: Callable[..., NDArray[np.float64]], u: float) -> float:
-    """Newton's steps inside (0, 1) from a minimum of the squares, whose flat bottom hides half the digits of u."""
-    for _ in range(4):
+def _bottom(deviations: Callable[..., NDArray[np.float64]], low: float, at: float, high: float) -> float:
+    """Where the squares are least between low and high, as they are at one of the scan's values.
+
+    By Newton's steps, or Brent's method where these do not arrive; Newton's come last, as the flat bottom of the
+    squares hides half the digits of u.
+    """
+
+    def squares(u: float) -> float:
+        return float((deviations(u) ** 2).sum())
+
+    if at in (low, high) and squares(abs(at - BESIDE)) > squares(at):
+        return at
+    u = _newton(deviations, (low + high) / 2, low, high)
+    if u is None:
+        found = float(minimize_scalar(squares, bounds=(low, high), method="bounded", options={"xatol": BESIDE}).x)
+        u = _newton(deviations, found, low, high)
+    return found if u is None else u
+
+
+def _newton(deviations: Callable[..., NDArray[np.float64]], u: float, low: float, high: float) -> float | None:
+    """Newton's steps on the squares from u to where they settle, if they do and stay between low and high."""
+    for _ in range(8):
         h = min(3e-4, u / 2, (1.0 - u) / 2)
-        if h <= 0.0:
-            break
         left2, left, here, right, right2 = deviations(*(u + k * h for k in (-2, -1, 0, 1, 2)))
         slope = (left2 - 8 * left + 8 * right - right2) / (12 * h)
         bend = (left - 2 * here + right) / h**2
         gradient, curvature = float(slope @ here), float(slope @ slope + bend @ here)
-        if abs(gradient) >= h * curvature:
-            break
-        (reached,) = deviations(u - gradient / curvature)
-        if reached @ reached > (1 + 1e-9) * (here @ here):
-            break
+        if not curvature > 0.0 or not low < u - gradient / curvature < high:
+            return None
         u -= gradient / curvature
-        if abs(gradient) < 1e-8 * curvature:
-            break
-    return u
+        if abs(gradient) < LAST * curvature:
+            return u
+    return None

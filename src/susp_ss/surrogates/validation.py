@@ -93,9 +93,8 @@ class Validation:
         narrow: of independent normal errors, those of 95 % held the true RMSE in 86 % of draws of 10 runs, and in 92 %
         of 40.
         """
-        r2 = bootstrap.bounds(bootstrap.r2, self.y, self.residuals, confidence=self.confidence)
-        rmse = bootstrap.bounds(bootstrap.rmse, self.residuals, confidence=self.confidence)
-        low, high = (Accuracy(*bounds, np.nan) for bounds in zip(r2, rmse, strict=True))
+        both = bootstrap.bounds(bootstrap.r2_and_rmse, self.y, self.residuals, confidence=self.confidence)
+        low, high = (Accuracy(float(r2), float(rmse), np.nan) for r2, rmse in both)
         return low, high
 
     @property
@@ -184,15 +183,12 @@ class Comparison:
         By the bootstrap of the mean difference of squared errors, both at the same runs. The best was chosen by the
         same runs, so that an edge over the others that is just clear is likely to shrink on new ones.
         """
-        errors = {name: validation.residuals for name, validation in self.validations.items()}
+        errors = np.stack([self.validations[name].residuals for name in self.table.index])
         confidence = self.validations[self.best].confidence
-
-        def worse(name: str) -> bool:
-            # Not BCa, which has no bounds where one surrogate is worse by the same at every run.
-            both = errors[name], errors[self.best]
-            return bootstrap.bounds(bootstrap.excess, *both, confidence=confidence, method="percentile")[0] > 0.0
-
-        return self.best, *(name for name in self.table.index.drop(self.best) if not worse(name))
+        # Not BCa, which has no bounds where one surrogate is worse by the same at every run.
+        both = errors, np.broadcast_to(errors[0], errors.shape)
+        low, _ = bootstrap.bounds(bootstrap.excess, *both, confidence=confidence, method="percentile")
+        return tuple(self.table.index[low <= 0.0])
 
     def gain(self) -> Gain:
         """Return RMSE of the baseline over that of the best surrogate with a cheap model, above 1 if that pays.
@@ -213,7 +209,7 @@ class Comparison:
             raise ValueError(f"a gain needs a fitted surrogate {which} low-fidelity model, got none{reasons}")
         errors = self.validations[baseline].residuals, self.validations[tuned].residuals
         confidence = self.validations[tuned].confidence
-        low, high = bootstrap.bounds(bootstrap.ratio, *errors, confidence=confidence)
+        low, high = map(float, bootstrap.bounds(bootstrap.ratio, *errors, confidence=confidence))
         return Gain(tuned, baseline, float(bootstrap.ratio(*errors, axis=-1)), low, high)
 
     def _best_that(self, low_fidelity: bool) -> str | None:
@@ -278,9 +274,9 @@ def cross_validate(
     [-2.0, 1.0, -2.0]
     """
     X, y = checked_runs(X, y)
-    return _cross_validated(
-        surrogate, X, y, split(X, folds, random_state), checked_share("confidence", confidence), refit
-    )
+    splits, confidence = split(X, folds, random_state), checked_share("confidence", confidence)
+    with one_blas_thread():
+        return _cross_validated(surrogate, X, y, splits, confidence, refit)
 
 
 def held_out(surrogate: Any, X: ArrayLike, y: ArrayLike, confidence: float = 0.95) -> Validation:
@@ -373,18 +369,22 @@ def compare(
     if all(map(uses_low_fidelity, candidates.values())):
         candidates |= _baselines()
     validations, refused, seconds = dict[str, Validation](), dict[str, str](), dict[str, float]()
-    for name, surrogate in tracked(candidates.items(), "comparing", progress):
-        start = time.perf_counter()
-        try:
-            validations[name] = _cross_validated(surrogate, X, y, splits, confidence, refit)
-        except (ValueError, RuntimeError) as error:
-            refused[name] = str(error)
-        seconds[name] = time.perf_counter() - start
+    with one_blas_thread():
+        for name, surrogate in tracked(candidates.items(), "comparing", progress):
+            start = time.perf_counter()
+            try:
+                validations[name] = _cross_validated(surrogate, X, y, splits, confidence, refit)
+            except (ValueError, RuntimeError) as error:
+                refused[name] = str(error)
+            seconds[name] = time.perf_counter() - start
     if not validations:
         raise ValueError("no surrogate can be fitted: " + "; ".join(f"{name}: {why}" for name, why in refused.items()))
+    errors = np.stack([validation.residuals for validation in validations.values()])
+    bounds = np.stack(bootstrap.bounds(bootstrap.rmse, errors, confidence=confidence), axis=-1)
     found = [
-        _row(validation, refit) | {"low_fidelity": uses_low_fidelity(candidates[name]), "seconds": seconds[name]}
-        for name, validation in validations.items()
+        _row(validation, low, high, refit)
+        | {"low_fidelity": uses_low_fidelity(candidates[name]), "seconds": seconds[name]}
+        for (name, validation), (low, high) in zip(validations.items(), bounds.tolist(), strict=True)
     ]
     table = pd.DataFrame(found, index=pd.Index(list(validations), name="surrogate")).sort_values("RMSE", kind="stable")
     return Comparison(table, validations, refused)
@@ -394,13 +394,12 @@ def _cross_validated(
     surrogate: Any, X: Any, y: Array, folds: Sequence[Fold], confidence: float, refit: bool
 ) -> Validation:
     outside = _outside(X, folds) if hasattr(surrogate, "outside") else None
-    with one_blas_thread():
-        if not hasattr(surrogate, "predict_left_out"):
-            return Validation(y, *_fitted_anew(surrogate, X, y, folds), outside, confidence)
-        fixed, std = unfitted(surrogate).fit(X, y).predict_left_out([left_out for _, left_out in folds])
-        if not refit:
-            return Validation(y, fixed, std, outside, confidence)
-        return Validation(y, *_fitted_anew(surrogate, X, y, folds), outside, confidence, fixed)
+    if not hasattr(surrogate, "predict_left_out"):
+        return Validation(y, *_fitted_anew(surrogate, X, y, folds), outside, confidence)
+    fixed, std = unfitted(surrogate).fit(X, y).predict_left_out([left_out for _, left_out in folds])
+    if not refit:
+        return Validation(y, fixed, std, outside, confidence)
+    return Validation(y, *_fitted_anew(surrogate, X, y, folds), outside, confidence, fixed)
 
 
 def _fitted_anew(surrogate: Any, X: Any, y: Array, folds: Sequence[Fold]) -> tuple[Array, Array | None]:
@@ -447,14 +446,13 @@ def _baselines() -> dict[str, Any]:
     }
 
 
-def _row(validation: Validation, refit: bool) -> dict[str, Any]:
-    low, high = validation.interval
+def _row(validation: Validation, low: float, high: float, refit: bool) -> dict[str, Any]:
     known = {"coverage": validation.coverage, "outside": validation.outside}
     return {
         "R2": validation.accuracy.R2,
         "RMSE": validation.accuracy.RMSE,
-        "RMSE_low": low.RMSE,
-        "RMSE_high": high.RMSE,
+        "RMSE_low": low,
+        "RMSE_high": high,
         "MAE": validation.accuracy.MAE,
         **({"RMSE_fixed": validation.rmse_fixed} if refit else {}),
     } | {name: np.nan if values is None else float(np.sum(values)) for name, values in known.items()}
