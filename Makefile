@@ -57,6 +57,7 @@ bench: .venv/installed-test
 	$(BIN)/python benchmarks/any_road_any_system.py
 	$(BIN)/python benchmarks/surrogates.py
 	$(BIN)/python benchmarks/intervals.py
+	$(BIN)/python benchmarks/next_runs.py
 	$(BIN)/python benchmarks/damaged_files.py
 	$(BIN)/python benchmarks/sweeps.py
 

@@ -38,7 +38,7 @@ LEAST_HELD = 0.85
 
 
 class Tabulated:
-    """The cheap model at all designs at once, looked up by their springs: fits without each run ask for the same again."""
+    """The cheap model at all designs at once, looked up by their springs: each fit without a run asks for the same."""
 
     def __init__(self, cheap, X):
         order = np.argsort(X[:, 0])
@@ -143,9 +143,9 @@ def write(kept, cells):
     text = [
         "# New responses that intervals of 95 % hold",
         "",
-        f"{processor()}, {os.cpu_count()} cores, {minutes:.0f} minutes of one of them. Means over {kept.draw.nunique()} "
-        f"draws of runs, tested at {NEW} others each, in %; in brackets half the width over the RMSE at the same designs, "
-        "2.0 of normal errors that are alike everywhere. An empty cell had too few runs.",
+        f"{processor()}, {os.cpu_count()} cores, {minutes:.0f} minutes of one of them. Means over "
+        f"{kept.draw.nunique()} draws of runs, tested at {NEW} others each, in %; in brackets half the width over the "
+        "RMSE at the same designs, 2.0 of normal errors that are alike everywhere. An empty cell had too few runs.",
         "",
         f"From {FROM} runs on {within:.0%} of {len(claimed)} cells hold {CLAIMED[0]:.0%} to {CLAIMED[1]:.0%}.",
         "",

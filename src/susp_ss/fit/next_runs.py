@@ -9,7 +9,6 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Mapping, Sequence
-from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,27 +17,11 @@ from numpy.typing import NDArray
 
 from ..quantities import briefly, quantity_of, whole_number
 from ..surrogates.kriging import CoKriging, Kriging
-from ..surrogates.next_designs import (
-    FILLING,
-    LOOKED_AT,
-    MOST,
-    ROUNDING,
-    SAME,
-    Knowledge,
-    filling,
-    knowledge,
-    most_telling,
-    nearest_square,
-    over,
-)
-from ..surrogates.sampling import sides
+from ..surrogates.next_designs import LOOKED_AT, MOST, Knowledge, knowledge, next_designs, over
 from ..units import factor_of
 from .fitting import Fit, OutputFit
 
 Array = NDArray[np.float64]
-
-# Designs are given to so many steps along each side of the box, rounded to a decimal place.
-STEPS = 1000.0
 
 # Less than this share of the error would go if there were twice as many runs: they hardly help.
 LITTLE = 0.1
@@ -136,17 +119,13 @@ def planned(fit: Fit, runs: int, box: Mapping[str, Sequence[float]] | None = Non
     if not isinstance(fit, Fit):
         raise TypeError(f"fit must be a Fit, as fit_runs returns it, got {briefly(fit)}")
     count, bounds = whole_number("runs", runs, 1, MOST, f"from 1 to {MOST}"), fit.runs.box(box)
-    lows, highs = (np.array(ends) for ends in sides(bounds))
-    designs = over(bounds)
-    unit, made = ((X - lows) / (highs - lows) for X in (designs, fit.runs.designs.to_numpy()))
-    known = {output: one for output in fit.outputs if (one := _known(fit, output, designs)) and one.variance > ROUNDING}
-    few = FILLING * len(bounds) - len(np.unique(made, axis=0))
-    first = list(islice(filling(unit, made), min(count, max(few, 0)) if known else count))
-    fresh = nearest_square(unit, np.concatenate([made, unit[first]])) > SAME
-    left = [one.after(first) for one in known.values()]
-    others = list(islice(most_telling(left, fresh), count - len(first)))
-    table = pd.DataFrame(_rounded(designs[first + others], lows, highs), columns=list(bounds))
-    return NextRuns(table, len(first), {output: str(_knowing(fit.outputs[output])) for output in known})
+    by = {output: who for output, found in fit.outputs.items() if (who := _knowing(found)) is not None}
+
+    def known(designs: Array) -> list[Knowledge]:
+        return [_known(fit, output, who, designs) for output, who in by.items()]
+
+    designs, filling = next_designs(bounds, fit.runs.designs.to_numpy(), known, count)
+    return NextRuns(pd.DataFrame(designs, columns=list(bounds)), filling, by)
 
 
 def asked_for(fit: Fit) -> NextRuns | None:
@@ -183,12 +162,12 @@ def to_fill_in(fit: Fit, designs: pd.DataFrame) -> str:
 
 def outlook(fit: Fit, output: str) -> Outlook | None:
     """What twice as many runs, spread over the box, would do; None where neither Kriging nor co-Kriging was fitted."""
-    now = _known(fit, output, over(fit.runs.box()))
-    if now is None:
+    by = _knowing(fit.outputs[output])
+    if by is None:
         return None
+    now = _known(fit, output, by, over(fit.runs.box()))
     then = now.after(range(min(len(fit.runs.rows), LOOKED_AT)))
     share = np.sqrt((then.variance + then.noise) / (now.variance + now.noise))
-    by = str(_knowing(fit.outputs[output]))
     return Outlook(by, float(fit.outputs[output].models[by].noise_), float(share))
 
 
@@ -198,18 +177,8 @@ def _knowing(found: OutputFit) -> str | None:
     return next((name for name in names if isinstance(found.models[name], Kriging | CoKriging)), None)
 
 
-def _known(fit: Fit, output: str, designs: Array) -> Knowledge | None:
-    """What they have left at designs (N, k), in shares of the standard deviation of the responses."""
-    by = _knowing(fit.outputs[output])
-    if by is None:
-        return None
+def _known(fit: Fit, output: str, by: str, designs: Array) -> Knowledge:
+    """What the runs have left at designs (N, k), in shares of the standard deviation of the responses."""
     model: Any = fit.outputs[output].models[by]
     scale = max(float(fit.runs.responses[output].std()), np.finfo(float).tiny)
     return knowledge(model, pd.DataFrame(designs, columns=list(fit.surrogate.inputs)), scale)
-
-
-def _rounded(designs: Array, lows: Array, highs: Array) -> Array:
-    """Designs as one would set them, within the box."""
-    places = -np.floor(np.log10((highs - lows) / STEPS)).astype(int)
-    columns = [np.round(column, place) for column, place in zip(designs.T, places.tolist(), strict=True)]
-    return np.clip(np.stack(columns, axis=1), lows, highs)

@@ -10,7 +10,7 @@ mean squared error).
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +35,9 @@ ROUNDING = 1e-12
 
 # Of each side of the box, squared: designs nearer than this to a run are the same for one who makes it.
 SAME = 4e-6
+
+# Designs are given to so many steps along each side of the box, rounded to a decimal place.
+STEPS = 1000.0
 
 
 class Knowledge(NamedTuple):
@@ -64,6 +67,40 @@ class Knowledge(NamedTuple):
         across = self.covariance[:, runs]
         inner = across[runs] + self.noise * np.eye(across.shape[1])
         return Knowledge(self.covariance - across @ np.linalg.pinv(inner, hermitian=True) @ across.T, self.noise)
+
+
+def next_designs(
+    box: Mapping[str, Sequence[float]], made: Array, known: Callable[[Array], Sequence[Knowledge]], count: int
+) -> tuple[Array, int]:
+    """Designs to run next, and how many of them, the first, fill the box.
+
+    Parameters
+    ----------
+    box : mapping of str to (low, high)
+    made : ndarray, (n, k)
+        Runs so far.
+    known : callable
+        What these have left to know of each response at designs (N, k); nothing where nobody can say.
+    count : int
+
+    Returns
+    -------
+    ndarray, (count, k), and int
+        In the box, none twice and none of those made, rounded to about a thousandth of each side.
+    """
+    lows, highs = (np.array(ends) for ends in sides(box))
+    designs = over(box)
+    unit, runs = ((X - lows) / (highs - lows) for X in (designs, made))
+    left = [one for one in known(designs) if one.variance > ROUNDING]
+    few = FILLING * len(box) - len(np.unique(made, axis=0))
+    first = list(itertools.islice(filling(unit, runs), min(count, max(few, 0)) if left else count))
+    fresh = nearest_square(unit, np.concatenate([runs, unit[first]])) > SAME
+    others = list(itertools.islice(most_telling([one.after(first) for one in left], fresh), count - len(first)))
+    places = -np.floor(np.log10((highs - lows) / STEPS)).astype(int)
+    columns = [
+        np.round(column, place) for column, place in zip(designs[first + others].T, places.tolist(), strict=True)
+    ]
+    return np.clip(np.stack(columns, axis=1), lows, highs), len(first)
 
 
 def knowledge(model: Kriging | CoKriging, designs: ArrayLike, scale: float) -> Knowledge:
