@@ -192,15 +192,16 @@ def more(fit: Fit, output: str) -> list[str]:
     ahead, share = outlook(fit, output), found.comparison.table.RMSE[found.chosen] / max(np.ptp(y), TINY)
     if ahead is None:
         return []
+    if share < ENOUGH:
+        return [f"There are runs enough for most: the error is {100.0 * share:.2g} % of what the responses span."]
     if not ahead.helps:
         noise = f"{ahead.noise:.3g} {typeset(unit)}".rstrip()
         return [
             f"MORE RUNS WILL HARDLY HELP: {ahead.by} finds that a run scatters by {noise} of its own; twice as many "
             f"would lower the error at new runs by {100.0 * (1.0 - ahead.share):.0f} %."
         ]
-    if share < ENOUGH:
-        return [f"There are runs enough for most: the error is {100.0 * share:.2g} % of what the responses span."]
-    return ["More runs would lower the error; susp-ss fit --next says which."]
+    which = "the next ones are below" if fit.asked["next_runs"] else "susp-ss fit --next says which"
+    return [f"More runs would lower the error; {which}."]
 
 
 def following(fit: Fit, plan: NextRuns) -> list[str]:
@@ -213,9 +214,7 @@ def following(fit: Fit, plan: NextRuns) -> list[str]:
         lines.append(f"{'All' if filled == count else f'The first {filled}'} fill the box, far from all others.")
     if filled < count:
         each = "Each" if not filled else "Each of the others"
-        lines.append(
-            f"{each} lowers the mean variance over the box most that {' and '.join(names)} would state after it."
-        )
+        lines.append(f"{each} lowers the variance of {' and '.join(names)}, mean over the box, the most.")
     return lines
 
 
