@@ -218,7 +218,7 @@ def predictions(fit: Fit) -> pd.DataFrame:
 
 def _fit_figures(fit: Fit) -> Iterator[tuple[str, str, Figure]]:
     """Kind, output and figure; of the surrogates those that are foremost."""
-    surrogate = fit.surrogate
+    surrogate, plan = fit.surrogate, asked_for(fit)
     for output, found in fit.outputs.items():
         unit = fit.runs.units[output]
         shown = {name: found.comparison.validations[name] for name in found.foremost}
@@ -226,7 +226,7 @@ def _fit_figures(fit: Fit) -> Iterator[tuple[str, str, Figure]]:
         yield "parity", output, plots.parity(shown, unit, margins=bars)
         yield "residuals", output, plots.residuals(shown, unit, margins=bars)
         if len(surrogate.inputs) == 2:
-            yield "map", output, plots.fitted_map(surrogate, output, fit.runs.designs)
+            yield "map", output, plots.fitted_map(surrogate, output, fit.runs.designs, following=plan and plan.designs)
         if found.learning is not None:
             yield "learning", output, plots.learning_curves(found.learning, unit, found.foremost)
 
