@@ -99,7 +99,18 @@ class _GaussianProcess(Approximation):
         return self._batched(self.process_.std, designs)
 
     def covariance(self, X: ArrayLike) -> Array:
-        """Covariance (n, n) of the responses at designs X (n, k) as the runs leave it, without a run's own noise."""
+        """Return the covariance of the responses at designs that the runs leave, without a run's own noise.
+
+        Parameters
+        ----------
+        X : array_like, (n, k), or DataFrame
+
+        Returns
+        -------
+        ndarray, (n, n)
+            In the unit of the responses squared; what a further run takes of it stands in
+            `susp_ss.surrogates.next_designs`.
+        """
         designs = self._columns(X)
         return self.process_.covariance(self.box_.transform(designs), self._trend_at(designs))
 
