@@ -54,6 +54,7 @@ bench: .venv/installed-test
 	$(BIN)/python benchmarks/surrogates.py
 	$(BIN)/python benchmarks/intervals.py
 	$(BIN)/python benchmarks/rare_events.py
+	$(BIN)/python benchmarks/next_runs.py
 	$(BIN)/python benchmarks/damaged_files.py
 	$(BIN)/python benchmarks/sweeps.py
 
