@@ -101,7 +101,7 @@ def rare_events(
     """
     check_kinds(vehicle, road)
     seconds = None if duration is None else positive("duration", duration, "s")
-    metres = positive("distance", distance, "m")
+    metres = positive("distance", distance)
     slope, reference, cycles = (
         positive(name, value, unit)
         for name, value, unit in (("sn_slope", sn_slope, ""), ("sn_range", sn_range, "N"), ("sn_cycles", sn_cycles, ""))
