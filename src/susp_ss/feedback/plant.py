@@ -1,0 +1,300 @@
+"""A vehicle with a force between every wheel and the body, on a road: what laws are designed for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..metrics.weightings import filters, rows_behind, say_weightings
+from ..quantities import ACTUATION, briefly, signal
+from ..responses.excitation import (
+    check_kinds,
+    check_stationary,
+    delays,
+    infinite_outputs,
+    integrated,
+    processes,
+)
+from ..responses.filters import Filter
+from ..responses.labels import labelled_outputs
+from ..roads.colours import colours
+from ..roads.road import Road
+from ..vehicles.contract import RoadVehicle
+from ..vehicles.linear import LinearVehicle
+from ..vehicles.parameters import DesignSpace
+from ..vehicles.second_order import Layout, Outputs, Row
+from .preview import Law, Noise, System, variances
+from .shaping import shaping
+
+Array = NDArray[np.float64]
+
+# Rows that others make up to this share of the largest are sums of them.
+RANK = 1e-9
+
+# States that the road moves less than this share of the one it moves most are scaled as if it did.
+STILL = 1e-6
+
+
+class Plant(NamedTuple):
+    """A vehicle's state space with actuators, its outputs named, and the noises of the road behind it.
+
+    States are road-relative and of the size of their passive root mean squares, ``sizes``; those of the filters of a
+    weighting come behind the vehicle's own. ``rows`` tells where each of the layout's outputs is found among those of
+    the system, behind its filter where it has one; the first of these are the layout's own without. The road's velocity
+    under each wheel drives states and outputs by ``velocity``, the warps that integrate do by ``standing``.
+    """
+
+    vehicle: RoadVehicle
+    road: Road
+    layout: Layout
+    system: System
+    noises: list[Noise]
+    weighting: dict[str, Filter]
+    rows: NDArray[np.int_]
+    infinite: NDArray[np.bool_]
+    states: tuple[str, ...]
+    sizes: Array
+    velocity: tuple[Array, Array]
+    standing: tuple[Array, Array]
+    integrators: Array
+
+    @property
+    def forces(self) -> slice | list[int]:
+        """The outputs that are the actuators' forces."""
+        return self.layout.outputs.of("force")
+
+    @property
+    def no_force(self) -> Array:
+        """The gain of a passive vehicle."""
+        return np.zeros(self.system.B.shape[::-1])
+
+    @property
+    def looks_ahead(self) -> bool:
+        """Whether something of the road is known beyond the states: what comes to an axle behind, or its colour."""
+        return any(len(noise.delays) > 1 or len(noise.rates) for noise in self.noises)
+
+    def variances(self, law: Law) -> Array:
+        """Variances of the system's outputs under a law."""
+        return variances(self.system, self.noises, law).clip(min=0.0)
+
+    def named(self, name: Any, where: str) -> dict[str, int]:
+        """The layout's outputs that ``"sws@fr"``, or ``"sws"`` at every place, stands for.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Nothing stands under that name, or it has no finite variance.
+        """
+        if not isinstance(name, str):
+            raise TypeError(f"{where} must be the name of an output such as 'bacc@cg', got {briefly(name)}")
+        stem, at, place = name.partition("@")
+        outputs = self.layout.outputs
+        if stem not in outputs.quantities:
+            raise ValueError(f"{where}: no output named {stem!r}, available: {', '.join(outputs.quantities)}")
+        places = outputs.places(stem)
+        if at and place not in places:
+            available = ", ".join(f"{stem}@{one}" if one else stem for one in places)
+            raise ValueError(f"{where}: no {name!r}, available: {available}")
+        rows = np.arange(len(outputs))[outputs.of(stem)]
+        found = {f"{stem}@{one}" if one else stem: int(row) for one, row in zip(places, rows, strict=True)}
+        found = {name: found[name]} if at else found
+        for one, row in found.items():
+            if self.infinite[row]:
+                raise ValueError(
+                    f"{where}: {one} has no finite variance, for the road's white velocity is passed straight on to it"
+                )
+        return found
+
+    def gain(self, K: Array) -> xr.DataArray:
+        """``u = gain x`` with its labels, in SI units, for ``u = -K x`` in the scaled states."""
+        labels = {"force": [signal("u", corner) for corner in self.layout.corners], "state": list(self.states)}
+        return xr.DataArray(-K / self.sizes, labels, ("force", "state"), name="gain")
+
+    def closed(self, K: Array) -> LinearVehicle:
+        """The vehicle under ``u = -K x``, as one that goes wherever a vehicle may."""
+        import control
+
+        A, B, C, D = self.system
+        own = len(self.layout.outputs)
+        n, k = len(A), len(self.integrators)
+        whole = np.block([[A - B @ K, self.standing[0]], [np.zeros((k, n + k))]])
+        size = np.append(self.sizes, np.ones(k))
+        system = control.ss(
+            whole * size[:, None] / size,
+            np.vstack([self.velocity[0], self.integrators]) * size[:, None],
+            np.hstack([C - D @ K, self.standing[1]])[:own] / size,
+            self.velocity[1][:own],
+            states=[*self.states, *(f"warp_{i + 1}" for i in range(k))],
+            inputs=[f"d{name}" for name in self.layout.inputs],
+            outputs=self.layout.outputs.names,
+        )
+        return LinearVehicle(system, like=self.vehicle)
+
+    def metrics(self, variances: Array) -> xr.Dataset:
+        """Root mean squares of the system's outputs as `ride_metrics` labels them."""
+        power = self.vehicle.damping() * variances[self.layout.rates]
+        roots = np.sqrt(np.where(self.infinite, np.inf, variances[self.rows]))
+        space = DesignSpace.over((), "")
+        found = labelled_outputs(self.layout, roots[None], power[None], space, long_name="{statistic} {meaning}")
+        say_weightings(found, self.weighting)
+        return found
+
+
+def plant(vehicle: Any, road: Any, weighting: Any, what: str) -> Plant:
+    """Put together what laws are designed for.
+
+    Raises
+    ------
+    TypeError, ValueError
+        No vehicle with actuators, arrays in it, or a road without a stationary response.
+    """
+    check_kinds(vehicle, road)
+    road.single(what)
+    if vehicle.curved:
+        raise ValueError(f"{what} needs numbers for ks and cs, got curves; pass linearised(vehicle, road)")
+    moved = vehicle.moving(road.speed)
+    model = moved.single(what)
+    if not hasattr(model, "actuated"):
+        raise TypeError(
+            f"{what} needs a vehicle whose wheels and body actuators may join, such as FullCar(), got {briefly(vehicle)}"
+        )
+    check_stationary(moved, road, model)
+    A, W, Y, F = map(_one, model.velocity_form())
+    B, D = map(_one, model.actuated())
+    n, k = len(B), D.shape[1]
+    layout = _with_forces(model.layout)
+    weighted = filters(weighting, layout)
+    bare = System(A[:n, :n], B, np.pad(Y[:, :n], [(0, k), (0, 0)]), np.vstack([D, np.eye(k)]))
+    system, through, into, rows, states = _filtered(bare, weighted, layout.outputs)
+    F, E = (np.pad(part, [(0, k), (0, 0)]) for part in (F, Y[:, n:]))
+    velocity, standing = (np.vstack([W[:n], into @ F]), through @ F), (_below(into @ E, n), through @ E)
+    noises = _noises(moved, road, model, velocity, standing)
+
+    as_states = system._replace(C=np.eye(len(system.A)), D=np.zeros_like(system.B))
+    none = [noise._replace(held=0.0 * noise.bent, seen=0.0 * noise.pushed) for noise in noises]
+    sizes = np.sqrt(variances(as_states, none, Law(np.zeros(system.B.shape[::-1]))).clip(min=0.0))
+    sizes = np.maximum(sizes, STILL * sizes.max())
+    A, B, C, D = system
+    return Plant(
+        vehicle=moved,
+        road=road,
+        layout=layout,
+        system=System(A / sizes[:, None] * sizes, B / sizes[:, None], C * sizes, D),
+        noises=[
+            noise._replace(
+                entries=noise.entries / sizes, bent=noise.bent / sizes, pushed=noise.pushed / sizes[:, None]
+            )
+            for noise in noises
+        ],
+        weighting=weighted,
+        rows=rows,
+        infinite=np.append(infinite_outputs(model, processes(moved, road), road).ravel(), np.zeros(k, dtype=bool)),
+        states=(*layout.relative_states[:n], *states),
+        sizes=sizes,
+        velocity=(velocity[0] / sizes[:, None], velocity[1]),
+        standing=(standing[0] / sizes[:, None], standing[1]),
+        integrators=_one(model.integrators),
+    )
+
+
+def _with_forces(layout: Layout) -> Layout:
+    """The outputs of a vehicle and the forces of its actuators."""
+    forces = tuple(Row(ACTUATION["force"], corner, True) for corner in layout.corners)
+    rows = tuple(row._replace(public=True) for row in layout.outputs.rows)
+    return replace(layout, outputs=Outputs(rows + forces))
+
+
+def _one(x: Any) -> Any:
+    return x.reshape(x.shape[-2:])
+
+
+def _below(x: Array, rows: int) -> Array:
+    """The same with so many rows of zeros above."""
+    return np.pad(x, [(rows, 0), (0, 0)])
+
+
+def _filtered(
+    system: System, weighted: dict[str, Filter], outputs: Outputs
+) -> tuple[System, Array, Array, NDArray[np.int_], list[str]]:
+    """Further outputs behind filters, where each output is then found, and the filters' states.
+
+    What adds to the outputs comes through to all of them by a matrix, and into the filters' states by another. Outputs
+    that are sums of others share their filters, as the accelerations of a rigid body's points do.
+    """
+    A, B, C, D = system
+    own = len(C)
+    through, into, places, states = np.eye(own), np.zeros((0, own)), np.arange(own), []
+    for one, rows in rows_behind(weighted, outputs).items():
+        a, b, c, d = _realised(one)
+        both = np.hstack([system.C, system.D])[rows]
+        both = both / np.abs(both).max(axis=0).clip(min=1e-300)
+        chosen = [i for i in range(len(rows)) if _rank(both[: i + 1]) > _rank(both[:i])]
+        U = np.linalg.lstsq(both[chosen].T, both.T, rcond=RANK)[0].T
+        U[chosen] = np.eye(len(chosen))
+        sums = np.eye(own)[rows[chosen]]
+        enters = np.kron(sums, b)
+        n, size = len(A), len(enters)
+        A = np.block([[A, np.zeros((n, size))], [enters @ C[:own], np.kron(np.eye(U.shape[1]), a)]])
+        B = np.vstack([B, enters @ D[:own]])
+        C = np.block([[C, np.zeros((len(C), size))], [d * C[rows], np.kron(U, c)]])
+        D = np.vstack([D, d * D[rows]])
+        places[rows] = len(through) + np.arange(len(rows))
+        through, into = np.vstack([through, d * np.eye(own)[rows]]), np.vstack([into, enters])
+        states += [f"{one.name}_{i + 1}" for i in range(len(states), len(states) + size)]
+    return System(A, B, C, D), through, into, places, states
+
+
+def _rank(rows: Array) -> int:
+    return int(np.linalg.matrix_rank(rows, tol=RANK * np.abs(rows).max())) if rows.any() else 0
+
+
+def _realised(one: Filter) -> tuple[Array, Array, Array, float]:
+    """A filter's state space, in states of like size."""
+    import scipy.linalg
+    import scipy.signal
+
+    a, b, c, d = scipy.signal.tf2ss(one.numerator, one.denominator)
+    if not len(one.poles):
+        return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), float(one.numerator[0])
+    balanced, T = scipy.linalg.matrix_balance(a, permute=False)
+    return balanced, np.linalg.solve(T, b), c @ T, float(d[0, 0])
+
+
+def _noises(
+    vehicle: RoadVehicle,
+    road: Road,
+    model: Any,
+    velocity: tuple[Array, Array],
+    standing: tuple[Array, Array],
+) -> list[Noise]:
+    """The noise of each process, given how velocities under wheels and warps that stand move states and outputs."""
+    found, taus = [], np.array([float(np.ravel(tau)[0]) for tau in delays(vehicle, road)])
+    width = np.reshape(np.asarray(vehicle.track_width, dtype=float), -1)[:1]
+    for process in processes(vehicle, road):
+        if not process.weights.any():
+            continue
+        axles = process.axles
+        shaped = shaping(colours(road, process.share, process.sign, width))
+        wheels, warps = process.weights[axles], integrated(model, process)[0].reshape(len(vehicle.axles), -1)[axles]
+        J, gains = len(axles), shaped.gains
+        # What integrates holds the integral of a term, -1/rate of it, and of the noise behind it the static gain.
+        heights = -gains / shaped.rates
+        entering, passing = (wheels @ part.T for part in velocity)
+        bent, held = (warps @ part.T for part in standing)
+        found.append(
+            Noise(
+                delays=taus[axles] - taus[axles[0]],
+                entries=shaped.direct * entering,
+                bank=np.kron(np.eye(J), np.ones(len(gains))),
+                held=shaped.static * held,
+                bent=shaped.static * bent,
+                rates=np.tile(shaped.rates, J),
+                pushed=np.kron(entering.T, gains) + np.kron(bent.T, heights),
+                seen=np.kron(passing.T, gains) + np.kron(held.T, heights),
+            )
+        )
+    return found

@@ -1,0 +1,69 @@
+"""What a feedback law achieves, beside the passive vehicle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pandas as pd
+import xarray as xr
+
+from ..roads.road import Road
+from ..vehicles.contract import RoadVehicle
+from ..vehicles.linear import LinearVehicle
+
+if TYPE_CHECKING:
+    import control
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Feedback:
+    """A feedback law on a vehicle on a road, and what it achieves there.
+
+    Attributes
+    ----------
+    kind : str
+        What made it, such as ``"lqr"``.
+    vehicle, road
+        What it was made for.
+    metrics, passive : xarray.Dataset
+        As `ride_metrics` gives them, of the closed loop, with ``force`` (N) on corner, and of the vehicle by itself.
+    closed : LinearVehicle or None
+        The closed loop, which stands wherever a vehicle may; None where the law looks ahead, which no finite system
+        does.
+    gain : xarray.DataArray or None
+        Forces per state, (force, state): ``u = gain x`` in the states of ``vehicle.state_space(input="velocity")``,
+        those of a weighting's filters behind them.
+    controller : control.StateSpace or None
+        From measured outputs to forces, where the law is one.
+    """
+
+    kind: str
+    vehicle: RoadVehicle
+    road: Road
+    metrics: xr.Dataset
+    passive: xr.Dataset
+    closed: LinearVehicle | None = None
+    gain: xr.DataArray | None = None
+    controller: control.StateSpace | None = None
+
+    def table(self) -> pd.DataFrame:
+        """Every metric at every place, passive and under the law, with the ratio of both."""
+        rows = {}
+        for name, data in self.metrics.data_vars.items():
+            passive = self.passive.get(name)
+            for place in data[data.dims[0]].values if data.dims else [""]:
+                at = {data.dims[0]: place} if data.dims else {}
+                own = float(data.sel(at))
+                before = float(passive.sel(at)) if passive is not None else 0.0
+                ratio = own / before if before else float("nan")
+                rows[f"{name}@{place}" if place else str(name)] = data.attrs["units"], before, own, ratio
+        return pd.DataFrame.from_dict(rows, orient="index", columns=["unit", "passive", self.kind, "ratio"])
+
+    def __repr__(self) -> str:
+        best = self.table()["ratio"].dropna()
+        said = f"{best.idxmin()} {best.min():.3g} of passive" if len(best) else "nothing moves"
+        return f"{self.kind} on {type(self.vehicle).__name__}: {said}"
+
+    def _repr_html_(self) -> str:
+        return self.table().to_html()
