@@ -36,6 +36,10 @@ SLOWEST = 10.0**0.25 - 1.0
 # Multipliers, relative to the passive variance over that of the limit: at the start, and at most.
 START, LEAST, MOST = 0.1, 1e-9, 1e7
 
+# A multiplier below this hardly feels its limit by its logarithm: there none starts, and one whose limit is exceeded is
+# lifted to the start again, so often at most.
+AWAKE, LIFTS = 1e-3, 5
+
 # Least weight of an output, relative to its passive variance, among which the best gain without preview is sought.
 FLOOR = 1e-5
 
@@ -91,13 +95,19 @@ def solve(plant: Plant, task: Task, light: float, start: Solution | None = None)
         found = Solution(law, plant.variances(law), multipliers)
         return multipliers.sum() - weights @ found.variances, -multipliers * found.excess(task)
 
-    first = np.log(np.full(len(task.rows), START) if start is None else start.multipliers.clip(LEAST, MOST))
+    first = np.full(len(task.rows), START) if start is None else start.multipliers
     if not len(first):
         dual(first)
         return found
     bounds = [(np.log(LEAST), np.log(MOST))] * len(first)
-    best = minimize(dual, first, jac=True, method="L-BFGS-B", bounds=bounds, options={"ftol": 1e-15, "gtol": 1e-8})
-    dual(best.x)
+    for _ in range(LIFTS):
+        begin = np.log(first.clip(AWAKE, MOST))
+        best = minimize(dual, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"ftol": 1e-15, "gtol": 1e-8})
+        dual(best.x)
+        asleep = (found.excess(task) > MET) & (found.multipliers < AWAKE)
+        if not asleep.any():
+            break
+        first = np.where(asleep, START, found.multipliers)
     return found
 
 
@@ -339,7 +349,7 @@ class _Problem(NamedTuple):
             law = best_gain(known, task, fine)
         variances = known.variances(law)
         bound = float(np.sqrt(variances[task.row]))
-        closed = known.closed(law.K) if law.weights is None or not known.looks_ahead else None
+        closed = known.closed(law.K, named=False) if law.weights is None or not known.looks_ahead else None
         limits = np.sqrt(task.limits)
         prices = fine.multipliers * task.size / (limits * bound)
         return ActiveBound(
@@ -397,7 +407,7 @@ def _beyond(known: Plant, task: Task) -> str:
         others = np.arange(len(task.rows)) != i
         for kept in (others, np.zeros(len(others), dtype=bool)):
             own = task._replace(row=int(row), size=float(limit), rows=task.rows[kept], limits=task.limits[kept])
-            solved = solve(known, own, LIGHT[0])
+            solved = solve(known, own, LIGHT[-1])
             if solved.excess(own).max(initial=0.0) <= MET:
                 break
         least = float(np.sqrt(solved.variances[row]))

@@ -6,9 +6,11 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.linalg
 import xarray as xr
 from numpy.typing import NDArray
 
+from ..metrics.ride import ride_metrics
 from ..metrics.weightings import filters, rows_behind, say_weightings
 from ..quantities import ACTUATION, briefly, signal
 from ..responses.excitation import (
@@ -28,6 +30,7 @@ from ..vehicles.linear import LinearVehicle
 from ..vehicles.parameters import DesignSpace
 from ..vehicles.second_order import Layout, Outputs, Row
 from .preview import Law, Noise, System, variances
+from .result import Feedback
 from .shaping import shaping
 
 Array = NDArray[np.float64]
@@ -37,6 +40,9 @@ RANK = 1e-9
 
 # States that the road moves less than this share of the one it moves most are scaled as if it did.
 STILL = 1e-6
+
+# Directions of states with a smaller share of variance than this are taken to have it.
+FLAT = 1e-13
 
 
 class Plant(NamedTuple):
@@ -114,21 +120,76 @@ class Plant(NamedTuple):
         labels = {"force": [signal("u", corner) for corner in self.layout.corners], "state": list(self.states)}
         return xr.DataArray(-K / self.sizes, labels, ("force", "state"), name="gain")
 
-    def closed(self, K: Array) -> LinearVehicle:
-        """The vehicle under ``u = -K x``, as one that goes wherever a vehicle may."""
-        import control
+    def closed(self, K: Array, named: bool = True) -> LinearVehicle:
+        """The vehicle under ``u = -K x``, as one that goes wherever a vehicle may.
 
+        Its states have their names; or, where large gains cancel in them, are as large as one another and uncorrelated.
+        """
         A, B, C, D = self.system
         own = len(self.layout.outputs)
-        n, k = len(A), len(self.integrators)
-        whole = np.block([[A - B @ K, self.standing[0]], [np.zeros((k, n + k))]])
-        size = np.append(self.sizes, np.ones(k))
+        A, C, (W, F), (bent, held) = A - B @ K, (C - D @ K)[:own], self.velocity, self.standing
+        if named:
+            T, states = np.diag(1.0 / self.sizes), list(self.states)
+        else:
+            squares, directions = np.linalg.eigh(scipy.linalg.solve_continuous_lyapunov(A, -W @ W.T))
+            T = (directions / np.sqrt(squares.clip(min=FLAT * squares[-1]))).T
+            states = [f"x_{i + 1}" for i in range(len(A))]
+        return self.vehicle_of(T @ A @ np.linalg.inv(T), T @ W, C @ np.linalg.inv(T), T @ bent, states)
+
+    def closed_by(self, controller: tuple[Array, Array, Array], rows: list[int]) -> LinearVehicle:
+        """The vehicle under ``z' = Ak z + Bk m``, ``u = Ck z`` on outputs m of these rows."""
+        Ak, Bk, Ck = controller
+        A, B, C, D = self.system
+        own, (W, F), (bent, held) = len(self.layout.outputs), self.velocity, self.standing
+        T = np.diag(np.append(self.sizes, np.ones(len(Ak))))
+        whole = np.block([[A, B @ Ck], [Bk @ C[rows], Ak + Bk @ D[rows] @ Ck]])
+        return self.vehicle_of(
+            T @ whole @ np.linalg.inv(T),
+            T @ np.vstack([W, Bk @ F[rows]]),
+            np.hstack([C, D @ Ck])[:own] @ np.linalg.inv(T),
+            T @ np.vstack([bent, Bk @ held[rows]]),
+            [*self.states, *(f"z_{i + 1}" for i in range(len(Ak)))],
+        )
+
+    def lagging(self, K: Array, lag: float) -> LinearVehicle:
+        """The vehicle under forces that follow ``u = -K x`` with a lag, ``lag F' + F = u``."""
+        A, B, C, D = self.system
+        forces = len(K)
+        T = np.diag(np.append(self.sizes, np.ones(forces)))
+        whole = np.block([[A, B], [-K / lag, -np.eye(forces) / lag]])
+        W, bent = (np.pad(part, [(0, forces), (0, 0)]) for part in (self.velocity[0], self.standing[0]))
+        return self.vehicle_of(
+            T @ whole @ np.linalg.inv(T),
+            T @ W,
+            np.hstack([C, D])[: len(self.layout.outputs)] @ np.linalg.inv(T),
+            T @ bent,
+            [*self.states, *(signal("force", corner) for corner in self.layout.corners)],
+        )
+
+    def result(self, kind: str, closed: LinearVehicle, given: Any, **more: Any) -> Feedback:
+        """What a law on the vehicle as it was given achieves, from its closed loop."""
+        vehicle, weighting = given
+        return Feedback(
+            kind=kind,
+            vehicle=vehicle,
+            road=self.road,
+            metrics=ride_metrics(closed, self.road, weighting=weighting),
+            passive=ride_metrics(vehicle, self.road, weighting=weighting),
+            closed=closed,
+            **more,
+        )
+
+    def vehicle_of(self, A: Array, W: Array, C: Array, bent: Array, states: list[str]) -> LinearVehicle:
+        """A closed loop over any states, which the road's velocity and its warps drive."""
+        import control
+
+        own, k = len(self.layout.outputs), len(self.integrators)
         system = control.ss(
-            whole * size[:, None] / size,
-            np.vstack([self.velocity[0], self.integrators]) * size[:, None],
-            np.hstack([C - D @ K, self.standing[1]])[:own] / size,
+            np.block([[A, bent], [np.zeros((k, len(A) + k))]]),
+            np.vstack([W, self.integrators]),
+            np.hstack([C, self.standing[1][:own]]),
             self.velocity[1][:own],
-            states=[*self.states, *(f"warp_{i + 1}" for i in range(k))],
+            states=[*states, *(f"warp_{i + 1}" for i in range(k))],
             inputs=[f"d{name}" for name in self.layout.inputs],
             outputs=self.layout.outputs.names,
         )
@@ -254,7 +315,6 @@ def _rank(rows: Array) -> int:
 
 def _realised(one: Filter) -> tuple[Array, Array, Array, float]:
     """A filter's state space, in states of like size."""
-    import scipy.linalg
     import scipy.signal
 
     a, b, c, d = scipy.signal.tf2ss(one.numerator, one.denominator)

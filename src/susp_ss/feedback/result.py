@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self
 
 import pandas as pd
 import xarray as xr
 
+from ..quantities import briefly
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.linear import LinearVehicle
@@ -59,6 +60,34 @@ class Feedback:
                 ratio = own / before if before else float("nan")
                 rows[f"{name}@{place}" if place else str(name)] = data.attrs["units"], before, own, ratio
         return pd.DataFrame.from_dict(rows, orient="index", columns=["unit", "passive", self.kind, "ratio"])
+
+    def values(self, name: Any, where: str) -> dict[str, float]:
+        """The metrics that ``"sws@fr"``, or ``"sws"`` at every place, stands for.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Nothing stands under that name.
+        """
+        if not isinstance(name, str):
+            raise TypeError(f"{where} must be the name of a metric such as 'bacc@cg', got {briefly(name)}")
+        metric, _, place = name.partition("@")
+        if metric not in self.metrics:
+            raise ValueError(f"{where}: no metric named {metric!r}, available: {', '.join(map(str, self.metrics))}")
+        data = self.metrics[metric]
+        places = [str(one) for one in data[data.dims[0]].values] if data.dims else [""]
+        found = {f"{metric}@{one}" if one else metric: float(x) for one, x in zip(places, data.values.flat, strict=True)}
+        if place and name not in found:
+            raise ValueError(f"{where}: no {name!r}, available: {', '.join(found)}")
+        return {name: found[name]} if place else found
+
+    def value(self, name: str) -> float:
+        """One metric at one place."""
+        return self.values(name, "name")[name]
+
+    def renamed(self, numbers: str) -> Self:
+        """The same, with the numbers that it was tuned to beside its kind."""
+        return replace(self, kind=f"{self.kind}, {numbers}")
 
     def __repr__(self) -> str:
         best = self.table()["ratio"].dropna()
