@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     import control
 
 
+SHOWN = ("bacc", "sws", "dtl")
+"""Metrics that one line tells of, each at its first place."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Feedback:
     """A feedback law on a vehicle on a road, and what it achieves there.
@@ -90,9 +94,10 @@ class Feedback:
         return replace(self, kind=f"{self.kind}, {numbers}")
 
     def __repr__(self) -> str:
-        best = self.table()["ratio"].dropna()
-        said = f"{best.idxmin()} {best.min():.3g} of passive" if len(best) else "nothing moves"
-        return f"{self.kind} on {type(self.vehicle).__name__}: {said}"
+        table = self.table()
+        first = [next(iter(self.values(name, "name"))) for name in SHOWN if name in self.metrics]
+        said = ", ".join(f"{name} {table.ratio[name]:.2f}" for name in first)
+        return f"{self.kind} on {type(self.vehicle).__name__}: {said} of passive"
 
     def _repr_html_(self) -> str:
         return self.table().to_html()

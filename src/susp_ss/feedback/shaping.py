@@ -14,11 +14,16 @@ from ..roads.colours import Colours
 
 Array = NDArray[np.float64]
 
-# Newton steps that give each zero the digits that eigenvalues of a matrix over twenty decades have lost.
-POLISH = 8
+# Steps of Aberth's iteration at most, and the relative step at which it ends.
+STEPS, SETTLED = 200, 1e-14
 
-# Relative error of a factor's square beyond which it is refused.
-LOST = 1e-6
+# Frequencies in rad/s at which a factor must be close, and how close its square relatively: beyond them no vehicle feels
+# what fitted terms make of the ends of a spectrum.
+FELT, LOST = np.geomspace(0.1, 1e4, 200), 1e-5
+
+
+# A white part below this share of the largest term is none.
+WHITE = 1e-14
 
 
 class Shaping(NamedTuple):
@@ -38,62 +43,64 @@ class Shaping(NamedTuple):
 def shaping(spectrum: Colours) -> Shaping:
     """Factor the spectrum of one design.
 
-    With ``S = c + sum r_k / (alpha_k^2 - s^2)`` the zeros of the factor are the roots of those of S over ``s^2``, the
-    eigenvalues of ``diag(alpha^2) + r 1^T / c``; where c is zero, of the pencil that is left.
+    With ``S(s) = sum_k (low_k alpha_k^2 - high_k s^2) / (alpha_k^2 - s^2) + level`` the zeros of the factor are the
+    roots of S over ``s^2``, in the left half plane, and its residues ``gain prod_j (z_j - alpha_k) / prod_(j != k)
+    (alpha_j - alpha_k)``.
 
     Raises
     ------
     ValueError
-        A spectrum that is not positive, or of which the factor loses digits.
+        A spectrum of which the factor keeps fewer than five digits.
     """
-    level, rates, weights = float(spectrum.white[0, 0]), np.real(spectrum.alphas[0]), np.real(spectrum.weights[0])
-    kept = weights != 0.0
-    rates, weights = rates[kept], weights[kept]
+    rates, low, high = (np.real(part[0]) for part in spectrum[1:])
+    kept = (low != 0.0) | (high != 0.0)
+    order = np.argsort(rates[kept])
+    rates, low, high = (part[kept][order] for part in (rates, low, high))
+    level, white = float(spectrum.level[0, 0]), float(spectrum.white[0, 0])
     if not len(rates):
-        return Shaping(float(np.sqrt(level)), rates, weights)
-    squares, residues = rates**2, weights * rates**2
-    if level <= 1e-14 * np.abs(weights).sum():
-        level = 0.0
-    zeros = np.sqrt(_polished(_zeros(level, squares, residues), level, squares, residues))
-    # |W|^2 ~ level, or sum of residues / omega^2, at high frequency.
-    lead = np.sqrt(level if level else residues.sum())
+        return Shaping(float(np.sqrt(white)), rates, low)
+    bounded = white <= WHITE * max(abs(level), np.abs(low).max(), np.abs(high).max())
+    # At high frequency S is its white part, or falls as this over omega^2.
+    lead = ((low - high) * rates**2).sum() if bounded else white
+    zeros = np.sqrt(_zeros(level, rates**2, low, high, len(rates) - bounded))
     gains = np.empty(len(rates))
     for k, rate in enumerate(rates):
         others = np.delete(rates, k)
-        factors = np.concatenate([[zeros[0] - rate] if level else [], (zeros[level > 0.0 :] - rate) / (others - rate)])
-        gains[k] = lead * np.prod(factors).real
-    found = Shaping(float(np.sqrt(level)), rates, gains)
-    omega = np.concatenate([rates, np.abs(zeros), 3.0 * rates])
-    power = level + (residues / (squares + omega[:, None] ** 2)).sum(axis=1)
-    factor = found.direct + (gains / (rates + 1j * omega[:, None])).sum(axis=1)
-    error = np.abs(np.abs(factor) ** 2 - power).max() / power.max() if (power >= 0.0).all() else np.inf
-    if not error < LOST:
-        raise ValueError(f"the road's velocity spectrum has no minimum-phase factor with six digits (error {error:.1g})")
+        first = 1.0 if bounded else zeros[0] - rate
+        gains[k] = (first * np.prod((zeros[len(zeros) - len(others) :] - rate) / (others - rate))).real
+    found = Shaping(0.0 if bounded else float(np.sqrt(white)), rates, np.sqrt(max(lead, 0.0)) * gains)
+
+    squares = FELT[:, None] ** 2
+    power = level + ((low * rates**2 + high * squares) / (rates**2 + squares)).sum(axis=1)
+    factor = found.direct + (found.gains / (rates + 1j * FELT[:, None])).sum(axis=1)
+    if not np.abs(np.abs(factor) ** 2 - power).max() < np.inf or (np.abs(np.abs(factor) ** 2 / power - 1.0) > LOST).any():
+        raise ValueError(
+            "the road's velocity has no minimum-phase filter with five digits behind it; pass a road of a waviness "
+            "below 3, and without cutoff where tracks cohere"
+        )
     return found
 
 
-def _zeros(level: float, squares: Array, residues: Array) -> NDArray[np.complex128]:
-    """Zeros of ``level + sum residues / (squares - z)`` over z."""
-    if level:
-        return np.linalg.eigvals(np.diag(squares) + np.outer(residues, np.ones(len(squares))) / level).astype(complex)
-    import scipy.linalg
+def _zeros(level: float, squares: Array, low: Array, high: Array, count: int) -> NDArray[np.complex128]:
+    """Zeros over ``s^2`` of the spectrum by Aberth's iteration (Math. of Computation 27 (1973)).
 
-    size = len(squares)
-    border = np.block([[np.diag(squares), residues[:, None] / residues.sum()], [np.ones((1, size)), np.zeros((1, 1))]])
-    unit = np.diag(np.r_[np.ones(size), 0.0])
-    found = scipy.linalg.eigvals(border, unit)
-    return np.asarray(found[np.argsort(np.abs(found))][: size - 1], dtype=complex)
-
-
-def _polished(
-    zeros: NDArray[np.complex128], level: float, squares: Array, residues: Array
-) -> NDArray[np.complex128]:
-    """The zeros by Newton's method, which sees each of them in its own size."""
-    for _ in range(POLISH):
-        gap = squares - zeros[:, None]
-        value, slope = level + (residues / gap).sum(axis=1), (residues / gap**2).sum(axis=1)
+    Each step is relative to the zero that it moves, so that twenty decades of them do no harm. They start between the
+    poles, where those of a spectrum of positive terms are.
+    """
+    between = np.sqrt(squares[1:] * squares[:-1])
+    z = np.append(between, squares[-1] * 1.5)[:count] * np.exp(0.1j)
+    for _ in range(STEPS):
+        gap = squares - z[:, None]
+        value = level + ((low * squares - high * z[:, None]) / gap).sum(axis=1)
+        slope = ((low - high) * squares / gap**2).sum(axis=1)
         with np.errstate(all="ignore"):
-            step = np.where(slope != 0.0, value / slope, 0.0)
-        zeros = np.where(np.abs(step) < 0.3 * np.abs(zeros), zeros - step, zeros)
+            newton = 1.0 / (slope / value - (1.0 / gap).sum(axis=1))
+            apart = z[:, None] - z
+            np.fill_diagonal(apart, np.inf)
+            step = newton / (1.0 - newton * (1.0 / apart).sum(axis=1))
+        step = np.where(np.isfinite(step), step, 0.0)
+        z = z - step
+        if (np.abs(step) <= SETTLED * np.abs(z)).all():
+            break
     # A spectrum that vanishes at zero frequency has a zero there, of which rounding may leave a negative one.
-    return np.where((zeros.real < 0.0) & (np.abs(zeros.imag) < 1e-9 * np.abs(zeros)), 0.0, zeros)
+    return np.where((z.real < 0.0) & (np.abs(z.imag) < 1e-6 * np.abs(z)), 0.0, z)

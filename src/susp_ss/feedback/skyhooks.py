@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 # By how much, relatively, a tuned law may exceed its limits.
 MET = 1e-4
 
+# Least of a number, as a share of its start, and what a law costs that is none, relative to the start.
+LEAST, FAR = 1e-3, 1e3
+
 
 def skyhook(vehicle: Any, road: Any, gain: float, lag: float = 0.0, weighting: Any = None) -> Feedback:
     """Dampers between the body and the sky: ``u = -gain z_s'`` at every corner.
@@ -152,7 +155,7 @@ def tuned(
         From these numbers, by their names, to a `Feedback`: ``lambda sky, ground: ss.hybrid(car, road, sky, ground)``.
         It may set parameters of the vehicle as well.
     start : mapping of str to float
-        Where to start, each > 0; the numbers stay >= 0.
+        Where to start, each > 0; the numbers stay above a thousandth of that.
     minimise : str
         A metric: ``"bacc@cg"``, or ``"bacc"`` where it has one place.
     limits : mapping of str to float
@@ -183,45 +186,53 @@ def tuned(
 
     if not isinstance(start, Mapping) or not start or not all(_positive(value) for value in start.values()):
         raise TypeError(f'start must be a mapping of numbers > 0 such as {{"gain": 1500.0}}, got {briefly(start)}')
-    names, scale, seen = list(start), np.array([float(value) for value in start.values()]), {}
-
-    def evaluated(x: Array) -> Feedback:
-        key = x.tobytes()
-        if key not in seen:
-            seen[key] = law(**dict(zip(names, (x * scale).tolist(), strict=True)))
-        return seen[key]
-
-    first = evaluated(np.ones(len(names)))
+    names, scale = list(start), np.array([float(value) for value in start.values()])
+    first = law(**start)
     goal = first.values(minimise, "minimise")
     if len(goal) > 1:
         raise ValueError(f"minimise must be a metric at one place, got {minimise!r}; available: {', '.join(goal)}")
-    bounds = {}
+    bounds: dict[str, float] = {}
     for name, limit in (limits or {}).items():
         if not _positive(limit):
             raise ValueError(f"limits: {name} must be a number > 0, got {briefly(limit)}")
         bounds |= dict.fromkeys(first.values(name, "limits"), float(limit))
     (target,) = goal
+    seen: dict[bytes, Feedback | None] = {}
+
+    def evaluated(x: Array) -> Feedback | None:
+        key = x.tobytes()
+        if key not in seen:
+            try:
+                seen[key] = law(**dict(zip(names, (x * scale).tolist(), strict=True)))
+            except ValueError:
+                # Numbers on the way for which the loop is unstable are as bad as can be.
+                seen[key] = None
+        return seen[key]
+
+    def cost(x: Array) -> float:
+        found = evaluated(x)
+        return FAR if found is None else found.value(target) / goal[target]
 
     def slack(x: Array) -> Array:
-        return np.array([1.0 - evaluated(x).value(name) / limit for name, limit in bounds.items()])
+        found = evaluated(x)
+        return np.array([-FAR if found is None else 1.0 - found.value(name) / bounds[name] for name in bounds])
 
-    size = goal[target] or 1.0
     best = search(
-        lambda x: evaluated(x).value(target) / size,
+        cost,
         np.ones(len(names)),
         method="SLSQP",
-        bounds=[(0.0, None)] * len(names),
+        bounds=[(LEAST, None)] * len(names),
         constraints={"type": "ineq", "fun": slack} if bounds else (),
         options={"ftol": 1e-10, "maxiter": 200},
     )
-    if bounds and slack(best.x).min() < -MET:
-        worst = list(bounds)[int(slack(best.x).argmin())]
+    found = evaluated(best.x)
+    if found is None or (bounds and slack(best.x).min() < -MET):
+        nearest = min(bounds, key=lambda name: bounds[name] / (first if found is None else found).value(name))
         raise ValueError(
-            f"limits: no numbers found that keep {worst} below {bounds[worst]:.4g}, nearest "
-            f"{evaluated(best.x).value(worst):.4g}; start elsewhere, or raise it"
+            f"limits: no numbers found that keep {nearest} below {bounds[nearest]:.4g}; start elsewhere, or raise it"
         )
     said = ", ".join(f"{name} {value:.4g}" for name, value in zip(names, best.x * scale, strict=True))
-    return evaluated(best.x).renamed(said)
+    return found.renamed(said)
 
 
 def _positive(value: Any) -> bool:
