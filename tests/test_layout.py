@@ -21,6 +21,7 @@ ROOMS = (
     "responses",
     "metrics",
     "surrogates",
+    "feedback",
     "study",
     "fit",
     "sweep",
@@ -34,6 +35,7 @@ ROOMS = (
 STRANGERS = (
     {"vehicles", "roads"},
     {"vehicles", "surrogates"},
+    {"surrogates", "feedback"},
     {"study", "fit"},
     {"study", "sweep"},
     {"fit", "sweep"},

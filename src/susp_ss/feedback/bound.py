@@ -34,7 +34,7 @@ RESOLVED = 1e-5
 SLOWEST = 10.0**0.25 - 1.0
 
 # Multipliers, relative to the passive variance over that of the limit: at the start, and at most.
-START, LEAST, MOST = 0.1, 1e-9, 1e7
+START, LEAST, MOST = 0.1, 1e-9, 1e5
 
 # A multiplier below this hardly feels its limit by its logarithm: there none starts, and one whose limit is exceeded is
 # lifted to the start again, so often at most.
@@ -48,7 +48,7 @@ MET = 1e-4
 
 
 class Task(NamedTuple):
-    """Outputs of a plant's system: the one minimised and those limited, with their limits and the force's size squared."""
+    """Outputs of a plant's system: the one minimised and those limited, with limits and the force's size squared."""
 
     row: int
     size: float
@@ -85,25 +85,27 @@ def solve(plant: Plant, task: Task, light: float, start: Solution | None = None)
     """
     from scipy.optimize import minimize
 
-    outputs, found = len(plant.system.C), start
+    first = np.full(len(task.rows), START) if start is None else start.multipliers
+    last = plant.no_force if start is None else start.law.K
+
+    def at(multipliers: Array) -> Solution:
+        nonlocal last
+        law = optimal(plant.system, task.weights(len(plant.system.C), plant.forces, multipliers, light), last)
+        last = law.K
+        return Solution(law, plant.variances(law), multipliers)
 
     def dual(logarithms: Array) -> tuple[float, Array]:
-        nonlocal found
-        multipliers = np.exp(logarithms)
-        weights = task.weights(outputs, plant.forces, multipliers, light)
-        law = optimal(plant.system, weights, None if found is None else found.law.K)
-        found = Solution(law, plant.variances(law), multipliers)
-        return multipliers.sum() - weights @ found.variances, -multipliers * found.excess(task)
+        found = at(np.exp(logarithms))
+        cost = found.law.weights @ found.variances
+        return found.multipliers.sum() - cost, -found.multipliers * found.excess(task)
 
-    first = np.full(len(task.rows), START) if start is None else start.multipliers
     if not len(first):
-        dual(first)
-        return found
+        return at(first)
     bounds = [(np.log(LEAST), np.log(MOST))] * len(first)
     for _ in range(LIFTS):
         begin = np.log(first.clip(AWAKE, MOST))
         best = minimize(dual, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"ftol": 1e-15, "gtol": 1e-8})
-        dual(best.x)
+        found = at(np.exp(best.x))
         asleep = (found.excess(task) > MET) & (found.multipliers < AWAKE)
         if not asleep.any():
             break
@@ -119,7 +121,6 @@ def best_gain(plant: Plant, task: Task, start: Solution) -> Law:
     """
     from scipy.optimize import minimize
 
-    outputs = len(plant.layout.outputs)
     alone = plant.variances(Law(plant.no_force))
     free = [i for i, row in enumerate(plant.rows) if alone[row] > 0.0 and not plant.infinite[i]]
     rows, sizes = plant.rows[free], alone[plant.rows[free]]
@@ -128,10 +129,12 @@ def best_gain(plant: Plant, task: Task, start: Solution) -> Law:
     last = start.law.K
 
     def gain(logarithms: Array) -> Array:
+        nonlocal last
         weights = np.zeros(len(base))
         weights[plant.forces] = LIGHT[-1] / task.force
         weights[rows] += np.exp(logarithms) / sizes
-        return optimal(plant.system, weights, last).K
+        last = optimal(plant.system, weights, last).K
+        return last
 
     def values(logarithms: Array) -> Array:
         found = plant.variances(Law(gain(logarithms)))
@@ -140,12 +143,20 @@ def best_gain(plant: Plant, task: Task, start: Solution) -> Law:
     seen: dict[bytes, Array] = {}
 
     def cached(logarithms: Array) -> Array:
-        return seen.setdefault(logarithms.tobytes(), values(logarithms))
+        key = logarithms.tobytes()
+        if key not in seen:
+            seen[key] = values(logarithms)
+        return seen[key]
 
     limited = {"type": "ineq", "fun": lambda x: cached(x)[1:]}
     bounds = [(np.log(FLOOR), -np.log(FLOOR))] * len(own)
     best = minimize(
-        lambda x: cached(x)[0], np.log(own), method="SLSQP", bounds=bounds, constraints=limited, options={"maxiter": 60}
+        lambda x: cached(x)[0],
+        np.log(own),
+        method="SLSQP",
+        bounds=bounds,
+        constraints=limited,
+        options={"maxiter": 60, "eps": 1e-4},
     )
     return Law(gain(best.x))
 
@@ -245,9 +256,9 @@ def active_bound(
     minimise : str
         An output: ``"bacc@cg"``, ``"dtl@fr"``, or ``"bacc"`` where it has one place.
     limits : mapping of str to float, array or DataArray
-        Root mean squares not to be exceeded, in SI units, by output: ``{"sws@fr": 0.02, "dtl": 900.0}``; without a place
-        they hold at every place. ``force`` (N) is that of the actuators. Arrays make a front, on dim ``limit`` or on
-        those of DataArrays; one point after another starts from the last.
+        Root mean squares not to be exceeded, in SI units, by output: ``{"sws@fr": 0.02, "dtl": 900.0}``; without a
+        place they hold at every place. ``force`` (N) is that of the actuators. Arrays make a front, on dim ``limit`` or
+        on those of DataArrays; one point after another starts from the last.
     weighting : optional
         As in `ride_metrics`: outputs are minimised and limited behind their filters.
     preview : bool
@@ -294,7 +305,7 @@ def active_bound(
     grid = _limits(known, {} if limits is None else limits, name)
     problem = _Problem(known, vehicle, ride_metrics(vehicle, road, weighting=weighting), name, row, preview)
     if not grid.sizes:
-        task = problem.task({one: float(value) for one, value in grid.items()})
+        task = problem.task({str(one): float(value) for one, value in grid.items()})
         found, _ = problem.bound(task)
         if found is None:
             raise ValueError(_beyond(known, task))
@@ -302,7 +313,9 @@ def active_bound(
     points: list[ActiveBound | None] = []
     last: Solution | None = None
     for at in tracked(np.ndindex(*grid.sizes.values()), "bounding"):
-        found, last = problem.bound(problem.task({one: float(value.values[at]) for one, value in grid.items()}), last)
+        found, last = problem.bound(
+            problem.task({str(one): float(value.values[at]) for one, value in grid.items()}), last
+        )
         points.append(found)
     return _front(grid, points, problem)
 
@@ -327,23 +340,25 @@ class _Problem(NamedTuple):
         force = float((alone[: len(felt)][moved] / felt[moved] ** 2).max()) if moved.any() else 1.0
         row = int(known.rows[self.row])
         size = force if row in np.arange(len(felt))[forces] else float(alone[row])
-        if not size > 0.0:
+        if known.still[self.row]:
             raise ValueError(f"minimise: {self.name} is at rest on this road without any force")
         rows = [int(known.rows[known.named(name, "limits")[name]]) for name in limits]
         return Task(row, size, np.array(rows, dtype=int), np.array([*limits.values()]) ** 2, force, tuple(limits))
 
     def bound(self, task: Task, start: Solution | None = None) -> tuple[ActiveBound | None, Solution | None]:
         """The bound, and the solution from which one nearby may start; nothing where no law meets the limits."""
-        known, fine, change = self.plant, start, np.inf
-        for light in LIGHT:
+        known, change = self.plant, np.inf
+        fine = solve(known, task, LIGHT[0], start)
+        if fine.excess(task).max(initial=0.0) > MET:
+            return None, None
+        for light in LIGHT[1:]:
             coarse, fine = fine, solve(known, task, light, fine)
             if fine.excess(task).max(initial=0.0) > MET:
                 return None, None
-            if light != LIGHT[0]:
-                levels = [np.sqrt(one.variances[task.row] / task.size) for one in (coarse, fine)]
-                change = levels[0] - levels[1]
-                if change < RESOLVED:
-                    break
+            levels = [np.sqrt(one.variances[task.row] / task.size) for one in (coarse, fine)]
+            change = levels[0] - levels[1]
+            if change < RESOLVED:
+                break
         law = fine.law
         if known.looks_ahead and not self.preview:
             law = best_gain(known, task, fine)
@@ -390,6 +405,9 @@ def _limits(known: Plant, limits: Any, minimised: str) -> xr.Dataset:
             raise ValueError(f"limits: {name} must be finite and > 0, got {briefly(given)}")
         if plain.ndim > 1 and not isinstance(plain, xr.DataArray):
             raise ValueError(f"limits: {name} must be a number, a row of them or a DataArray, got {briefly(given)}")
+        taken = [dim for dim in getattr(plain, "dims", ()) if dim in known.layout.variables]
+        if taken:
+            raise ValueError(f"limits: {name} has a dim named {taken[0]!r} as a metric is; rename it, {taken[0]}_limit")
         array = plain if isinstance(plain, xr.DataArray) else xr.DataArray(plain, dims=["limit"][: plain.ndim])
         found |= dict.fromkeys(places, array.astype(float))
     if minimised in found:
@@ -415,7 +433,11 @@ def _beyond(known: Plant, task: Task) -> str:
             together = " while the others are met" if kept.any() else ""
             unit = known.layout.outputs.quantities[name.partition("@")[0]].unit
             said.append(f"{name} <= {np.sqrt(limit):.4g} {unit}, which is {least:.4g} at least{together}")
-    return f"no law meets the limits: {'; '.join(said) or 'they contradict one another'}"
+    if not said:
+        nearest = np.sqrt(solve(known, task, LIGHT[-1]).variances[task.rows])
+        said = [f"{name} {value:.4g}" for name, value in zip(task.names, nearest.tolist(), strict=True)]
+        return f"no law meets the limits, though each by itself can be; nearest to all: {', '.join(said)}"
+    return f"no law meets the limits: {'; '.join(said)}"
 
 
 def _front(grid: xr.Dataset, points: list[ActiveBound | None], problem: _Problem) -> ActiveFront:
@@ -431,7 +453,7 @@ def _front(grid: xr.Dataset, points: list[ActiveBound | None], problem: _Problem
     missing = met.metrics * np.nan
     rows = [missing if point is None else point.metrics for point in points]
     metrics = xr.concat(rows, dim="point_", combine_attrs="override")
-    names = list(grid.data_vars)
+    names = [str(name) for name in grid.data_vars]
     metric = problem.name.partition("@")[0]
     stacked = {
         name: ((*dims, *data.dims[1:]), data.values.reshape(*shape, *data.shape[1:]), met.metrics[name].attrs)

@@ -15,7 +15,7 @@ from ..quantities import briefly
 if TYPE_CHECKING:
     import control
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 
 # Relative width of the bracket in which levels are bisected, and how far above its lower end a controller is sought
 # whose gains have not grown without bound, as they do at the optimum.
@@ -56,7 +56,9 @@ class HInfinity:
     least: float
 
     def __repr__(self) -> str:
-        return f"H-infinity controller of {self.controller.nstates} states: level {self.level:.4g}, least {self.least:.4g}"
+        return (
+            f"H-infinity controller of {self.controller.nstates} states: level {self.level:.4g}, least {self.least:.4g}"
+        )
 
 
 class _Parts(NamedTuple):
@@ -103,7 +105,7 @@ def h_infinity(plant: Any, measured: Sequence[str], controls: Sequence[str]) -> 
     >>> plant = ct.ss([[-1.0]], [[1.0, 0.0, 1.0]], [[1.0], [0.0], [1.0]], [[0, 0, 0], [0, 0, 1], [0, 1, 0]],
     ...               inputs=["w", "noise", "u"], outputs=["x", "effort", "m"])
     >>> ss.h_infinity(plant, measured=["m"], controls=["u"])
-    H-infinity controller of 1 states: level 0.5..., least 0.5...
+    H-infinity controller of 1 states: level 0.732..., least 0.732...
     """
     parts, back = _parted(plant, measured, controls)
     scale = worst_gain(parts.A, parts.B1, parts.C1, parts.D11) if _stable(parts.A) else 1.0
@@ -124,7 +126,8 @@ def h_infinity(plant: Any, measured: Sequence[str], controls: Sequence[str]) -> 
     if not tried:
         raise ValueError("no controller near the least level keeps its digits; scale the plant's signals")
     level, law, loop = min(tried, key=lambda one: one[0])
-    return HInfinity(*back(law, loop), level=level, least=min(low, level))
+    controller, closed = back(law, loop)
+    return HInfinity(controller, closed, level, min(low, level))
 
 
 def worst_gain(A: Array, B: Array, C: Array, D: Array) -> float:
@@ -207,13 +210,13 @@ def _parted(plant: Any, measured: Any, controls: Any) -> tuple[_Parts, Any]:
     return parts, back
 
 
-def _chosen(names: Any, available: Sequence[str], what: str, which: str) -> list[int]:
+def _chosen(names: Any, available: Sequence[str], what: str, which: str) -> NDArray[np.int_]:
     if isinstance(names, str) or not isinstance(names, Sequence) or not names:
         raise TypeError(f"{what} must be a sequence of names of {which}, got {briefly(names)}")
     for name in names:
         if name not in available:
             raise ValueError(f"{what}: no {which[:-1]} named {briefly(name)}, available: {', '.join(available)}")
-    return [available.index(name) for name in names]
+    return np.array([available.index(name) for name in names])
 
 
 def _last(D: Array, need: str) -> tuple[Array, Array]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -20,6 +21,7 @@ from ..responses.excitation import (
     infinite_outputs,
     integrated,
     processes,
+    vanishing_outputs,
 )
 from ..responses.filters import Filter
 from ..responses.labels import labelled_outputs
@@ -45,28 +47,40 @@ STILL = 1e-6
 FLAT = 1e-13
 
 
-class Plant(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Plant:
     """A vehicle's state space with actuators, its outputs named, and the noises of the road behind it.
 
-    States are road-relative and of the size of their passive root mean squares, ``sizes``; those of the filters of a
-    weighting come behind the vehicle's own. ``rows`` tells where each of the layout's outputs is found among those of
-    the system, behind its filter where it has one; the first of these are the layout's own without. The road's velocity
-    under each wheel drives states and outputs by ``velocity``, the warps that integrate do by ``standing``.
+    States are road-relative and divided by ``sizes``, their proportions where each wheel of the passive vehicle runs on
+    a road of its own; those of the filters of a weighting come behind the vehicle's own. ``rows`` tells where each of
+    the layout's outputs is found among those of the system, behind its filter where it has one; the first of these are
+    the layout's own without. The road's velocity under each wheel drives states and outputs by ``velocity``, the warps
+    that integrate do by ``standing``.
     """
 
     vehicle: RoadVehicle
     road: Road
     layout: Layout
     system: System
-    noises: list[Noise]
     weighting: dict[str, Filter]
     rows: NDArray[np.int_]
     infinite: NDArray[np.bool_]
+    still: NDArray[np.bool_]
     states: tuple[str, ...]
     sizes: Array
     velocity: tuple[Array, Array]
     standing: tuple[Array, Array]
-    integrators: Array
+    model: Any
+
+    @property
+    def integrators(self) -> Array:
+        """Rates of the warps per road velocity."""
+        return np.asarray(_one(self.model.integrators))
+
+    @cached_property
+    def noises(self) -> list[Noise]:
+        """What the road is made of, where it can be."""
+        return _noises(self.vehicle, self.road, self.model, self.velocity, self.standing)
 
     @property
     def forces(self) -> slice | list[int]:
@@ -127,7 +141,7 @@ class Plant(NamedTuple):
         """
         A, B, C, D = self.system
         own = len(self.layout.outputs)
-        A, C, (W, F), (bent, held) = A - B @ K, (C - D @ K)[:own], self.velocity, self.standing
+        A, C, W, bent = A - B @ K, (C - D @ K)[:own], self.velocity[0], self.standing[0]
         if named:
             T, states = np.diag(1.0 / self.sizes), list(self.states)
         else:
@@ -136,19 +150,21 @@ class Plant(NamedTuple):
             states = [f"x_{i + 1}" for i in range(len(A))]
         return self.vehicle_of(T @ A @ np.linalg.inv(T), T @ W, C @ np.linalg.inv(T), T @ bent, states)
 
-    def closed_by(self, controller: tuple[Array, Array, Array], rows: list[int]) -> LinearVehicle:
-        """The vehicle under ``z' = Ak z + Bk m``, ``u = Ck z`` on outputs m of these rows."""
-        Ak, Bk, Ck = controller
+    def estimated(self, K: Array, L: Array, rows: list[int]) -> LinearVehicle:
+        """The vehicle under ``u = -K x^`` on an estimate ``x^' = A x^ + B u + L (m - m^)`` from these rows.
+
+        Its states are the vehicle's and the error ``x - x^``, which the forces do not reach.
+        """
         A, B, C, D = self.system
         own, (W, F), (bent, held) = len(self.layout.outputs), self.velocity, self.standing
-        T = np.diag(np.append(self.sizes, np.ones(len(Ak))))
-        whole = np.block([[A, B @ Ck], [Bk @ C[rows], Ak + Bk @ D[rows] @ Ck]])
+        T = np.diag(np.append(self.sizes, self.sizes))
+        whole = np.block([[A - B @ K, B @ K], [np.zeros_like(A), A - L @ C[rows]]])
         return self.vehicle_of(
             T @ whole @ np.linalg.inv(T),
-            T @ np.vstack([W, Bk @ F[rows]]),
-            np.hstack([C, D @ Ck])[:own] @ np.linalg.inv(T),
-            T @ np.vstack([bent, Bk @ held[rows]]),
-            [*self.states, *(f"z_{i + 1}" for i in range(len(Ak)))],
+            T @ np.vstack([W, W - L @ F[rows]]),
+            np.hstack([C - D @ K, D @ K])[:own] @ np.linalg.inv(T),
+            T @ np.vstack([bent, bent - L @ held[rows]]),
+            [*self.states, *(f"{name}_error" for name in self.states)],
         )
 
     def lagging(self, K: Array, lag: float) -> LinearVehicle:
@@ -221,7 +237,8 @@ def plant(vehicle: Any, road: Any, weighting: Any, what: str) -> Plant:
     model = moved.single(what)
     if not hasattr(model, "actuated"):
         raise TypeError(
-            f"{what} needs a vehicle whose wheels and body actuators may join, such as FullCar(), got {briefly(vehicle)}"
+            f"{what} needs a vehicle between whose wheels and body actuators may push, such as FullCar(), "
+            f"got {briefly(vehicle)}"
         )
     check_stationary(moved, road, model)
     A, W, Y, F = map(_one, model.velocity_form())
@@ -233,32 +250,24 @@ def plant(vehicle: Any, road: Any, weighting: Any, what: str) -> Plant:
     system, through, into, rows, states = _filtered(bare, weighted, layout.outputs)
     F, E = (np.pad(part, [(0, k), (0, 0)]) for part in (F, Y[:, n:]))
     velocity, standing = (np.vstack([W[:n], into @ F]), through @ F), (_below(into @ E, n), through @ E)
-    noises = _noises(moved, road, model, velocity, standing)
-
-    as_states = system._replace(C=np.eye(len(system.A)), D=np.zeros_like(system.B))
-    none = [noise._replace(held=0.0 * noise.bent, seen=0.0 * noise.pushed) for noise in noises]
-    sizes = np.sqrt(variances(as_states, none, Law(np.zeros(system.B.shape[::-1]))).clip(min=0.0))
-    sizes = np.maximum(sizes, STILL * sizes.max())
     A, B, C, D = system
+    sizes = np.sqrt(np.diagonal(scipy.linalg.solve_continuous_lyapunov(A, -velocity[0] @ velocity[0].T)).clip(min=0.0))
+    sizes = np.maximum(sizes, STILL * sizes.max())
+    met, more = processes(moved, road), np.zeros(k, dtype=bool)
     return Plant(
         vehicle=moved,
         road=road,
         layout=layout,
         system=System(A / sizes[:, None] * sizes, B / sizes[:, None], C * sizes, D),
-        noises=[
-            noise._replace(
-                entries=noise.entries / sizes, bent=noise.bent / sizes, pushed=noise.pushed / sizes[:, None]
-            )
-            for noise in noises
-        ],
         weighting=weighted,
         rows=rows,
-        infinite=np.append(infinite_outputs(model, processes(moved, road), road).ravel(), np.zeros(k, dtype=bool)),
+        infinite=np.append(infinite_outputs(model, met, road).ravel(), more),
+        still=np.append(vanishing_outputs(model, met).ravel(), more),
         states=(*layout.relative_states[:n], *states),
         sizes=sizes,
         velocity=(velocity[0] / sizes[:, None], velocity[1]),
         standing=(standing[0] / sizes[:, None], standing[1]),
-        integrators=_one(model.integrators),
+        model=model,
     )
 
 
@@ -288,7 +297,8 @@ def _filtered(
     """
     A, B, C, D = system
     own = len(C)
-    through, into, places, states = np.eye(own), np.zeros((0, own)), np.arange(own), []
+    through, into, places = np.eye(own), np.zeros((0, own)), np.arange(own)
+    states: list[str] = []
     for one, rows in rows_behind(weighted, outputs).items():
         a, b, c, d = _realised(one)
         both = np.hstack([system.C, system.D])[rows]
@@ -349,7 +359,7 @@ def _noises(
             Noise(
                 delays=taus[axles] - taus[axles[0]],
                 entries=shaped.direct * entering,
-                bank=np.kron(np.eye(J), np.ones(len(gains))),
+                bank=np.asarray(np.kron(np.eye(J), np.ones(len(gains))), dtype=float),
                 held=shaped.static * held,
                 bent=shaped.static * bent,
                 rates=np.tile(shaped.rates, J),

@@ -15,7 +15,7 @@ backwards in time (Hac, Vehicle System Dynamics 21 (1992); Tomizuka, J. Dyn. Sys
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -41,8 +41,8 @@ class Noise(NamedTuple):
     """One white noise of unit intensity, met by one axle after the other, and the states ``v' = -rates v`` behind it.
 
     A unit of noise makes x jump by ``entries`` (J, n), v by ``bank`` (J, r), and what outputs and x' see of a road that
-    stands still by ``held`` (J, m) and ``bent`` (J, n), each after its own of the ``delays`` (J,), of which the first is
-    0. Then v drives x by ``pushed`` (n, r), and outputs see it by ``seen`` (m, r).
+    stands still by ``held`` (J, m) and ``bent`` (J, n), each after its own of the ``delays`` (J,), the first of which
+    is 0. Then v drives x by ``pushed`` (n, r), and outputs see it by ``seen`` (m, r).
     """
 
     delays: Array
@@ -59,27 +59,35 @@ class Law(NamedTuple):
     """``u = -K x`` and what it adds for what is known of the road, which is nothing where ``weights`` is None."""
 
     K: Array
-    P: Array | None = None
-    weights: Array | None = None
-    R: Array | None = None
+    P: Any = None
+    weights: Any = None
+    R: Any = None
 
 
 def optimal(system: System, weights: Array, start: Array | None = None) -> Law:
     """The law of least ``sum weights y^2`` by Kleinman's iteration (IEEE Trans. Automatic Control 13 (1968)).
 
     Every step costs the last gain by a Lyapunov equation and descends, whatever the weights are, so that nothing hangs
-    on the conditioning of a Hamiltonian matrix. It starts at ``start`` (k, n), or at no force: either must be stable.
+    on the conditioning of a Hamiltonian matrix. It starts at ``start`` (k, n), or at no force, which must be stable.
     """
     A, B, C, D = system
-    R, K, last = D.T * weights @ D, np.zeros(B.shape[::-1]) if start is None else start, np.inf
+    R, K = D.T * weights @ D, np.zeros(B.shape[::-1]) if start is None else start
+    reached: tuple[float, Array, Array] | None = None
     for _ in range(STEPS):
-        Cc = C - D @ K
-        P = scipy.linalg.solve_continuous_lyapunov((A - B @ K).T, -(Cc.T * weights @ Cc))
-        K, size = np.linalg.solve(R, B.T @ P + D.T * weights @ C), np.trace(P)
-        if size > last * (1.0 - SETTLED):
+        Ac, Cc = A - B @ K, C - D @ K
+        if np.linalg.eigvals(Ac).real.max() >= 0.0:
             break
-        last = size
-    return Law(K, P, weights, R)
+        P = scipy.linalg.solve_continuous_lyapunov(Ac.T, -(Cc.T * weights @ Cc))
+        size = float(np.trace(P))
+        settled = reached is not None and size > reached[0] * (1.0 - SETTLED)
+        if reached is None or size < reached[0]:
+            reached = size, K, P
+        if settled:
+            break
+        K = np.linalg.solve(R, B.T @ P + D.T * weights @ C)
+    if reached is None:
+        return optimal(system, weights)
+    return Law(reached[1], reached[2], weights, R)
 
 
 def variances(system: System, noises: list[Noise], law: Law) -> Array:

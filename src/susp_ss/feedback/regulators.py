@@ -74,10 +74,10 @@ def lqg(
     Parameters
     ----------
     vehicle, road, weights, weighting
-        As in `lqr`; an output is not felt through filters by the sensors.
+        As in `lqr`; sensors see outputs before their filters.
     sensors : mapping of str to float
-        By output, ``{"bacc_fr": 0.05}`` written ``{"bacc@fr": 0.05, "sws": 0.001}``: the root two-sided spectral density
-        of its noise, in its SI unit per root Hz, > 0; without a place at every place.
+        By output, ``{"bacc@fr": 0.05, "sws": 0.001}``: the root two-sided spectral density of its noise, in its SI unit
+        per root Hz, > 0; without a place at every place.
 
     Returns
     -------
@@ -121,7 +121,7 @@ def lqg(
         inner * size[:, None] / size, L * size[:, None], -law.K / size, np.zeros((len(forces), len(rows))),
         inputs=names, outputs=forces, states=[f"{name}_estimated" for name in known.states], name="lqg",
     )  # fmt: skip
-    closed = known.closed_by((inner, L, -law.K), rows)
+    closed = known.estimated(law.K, L, rows)
     return known.result("lqg", closed, (vehicle, weighting), gain=known.gain(law.K), controller=controller)
 
 

@@ -80,7 +80,9 @@ class Feedback:
             raise ValueError(f"{where}: no metric named {metric!r}, available: {', '.join(map(str, self.metrics))}")
         data = self.metrics[metric]
         places = [str(one) for one in data[data.dims[0]].values] if data.dims else [""]
-        found = {f"{metric}@{one}" if one else metric: float(x) for one, x in zip(places, data.values.flat, strict=True)}
+        found = {
+            f"{metric}@{one}" if one else metric: float(x) for one, x in zip(places, data.values.flat, strict=True)
+        }
         if place and name not in found:
             raise ValueError(f"{where}: no {name!r}, available: {', '.join(found)}")
         return {name: found[name]} if place else found

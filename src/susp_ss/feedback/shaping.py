@@ -17,8 +17,8 @@ Array = NDArray[np.float64]
 # Steps of Aberth's iteration at most, and the relative step at which it ends.
 STEPS, SETTLED = 200, 1e-14
 
-# Frequencies in rad/s at which a factor must be close, and how close its square relatively: beyond them no vehicle feels
-# what fitted terms make of the ends of a spectrum.
+# Frequencies in rad/s at which a factor must be close, and how close its square, relatively: beyond them no vehicle
+# feels what fitted terms make of the ends of a spectrum.
 FELT, LOST = np.geomspace(0.1, 1e4, 200), 1e-5
 
 
@@ -73,10 +73,13 @@ def shaping(spectrum: Colours) -> Shaping:
     squares = FELT[:, None] ** 2
     power = level + ((low * rates**2 + high * squares) / (rates**2 + squares)).sum(axis=1)
     factor = found.direct + (found.gains / (rates + 1j * FELT[:, None])).sum(axis=1)
-    if not np.abs(np.abs(factor) ** 2 - power).max() < np.inf or (np.abs(np.abs(factor) ** 2 / power - 1.0) > LOST).any():
+    if (
+        not np.abs(np.abs(factor) ** 2 - power).max() < np.inf
+        or (np.abs(np.abs(factor) ** 2 / power - 1.0) > LOST).any()
+    ):
         raise ValueError(
-            "the road's velocity has no minimum-phase filter with five digits behind it; pass a road of a waviness "
-            "below 3, and without cutoff where tracks cohere"
+            "the road's velocity has no minimum-phase filter with five digits behind it; pass a road of a "
+            "waviness further below 3"
         )
     return found
 

@@ -135,8 +135,9 @@ def _without_unseen(system: _Block, fastest: float) -> tuple[_Block, Array]:
     while frontier.size and seen.shape[1] < n:
         frontier = frontier - seen @ (seen.T @ frontier)
         U, s, _ = np.linalg.svd(frontier, full_matrices=False)
-        # What is left of a direction may be small: its digits count again, and there are no more directions than states.
-        frontier = scipy.linalg.orth(U[:, s > SEEN] - seen @ (seen.T @ U[:, s > SEEN]))[:, : n - seen.shape[1]]
+        # Of a direction little may be left, with few digits; and there are no more directions than states.
+        U = U[:, s > SEEN]
+        frontier = scipy.linalg.orth(U - seen @ (seen.T @ U))[:, : n - seen.shape[1]]
         seen = np.hstack([seen, frontier])
         frontier = system.A.T @ frontier / fastest
     unseen = scipy.linalg.null_space(seen.T) if seen.shape[1] else np.eye(n)
