@@ -219,7 +219,7 @@ def unit_of(output: str) -> str:
     ('m/s^2', 'rad/s', '')
     """
     metric, _ = metric_and_place(output)
-    known = quantity_of(metric, METRICS | HANDLING)
+    known = quantity_of(metric, METRICS | HANDLING | ACTUATION)
     return known.unit if known else ""
 
 

@@ -94,7 +94,7 @@ def test_a_closed_loop_stands_wherever_a_vehicle_may(law):
     assert np.isfinite(response).all()
     time = np.linspace(0.0, 0.5, 251)
     heights = xr.DataArray(0.01 * np.sin(20.0 * time), dims="time", coords={"time": time})
-    flat = {name: heights.values for name in ("fr", "fl", "rr", "rl")}
+    flat = dict.fromkeys(("fr", "fl", "rr", "rl"), heights.values)
     history = ss.simulate(made.closed, flat, time)
     assert np.isfinite(history.bacc).all()
 

@@ -210,6 +210,8 @@ class ActiveFront:
         As of an `ActiveBound`, over the same dims.
     passive : xarray.Dataset
         Of the vehicle by itself.
+    limits : dict of str to DataArray
+        Of every output that was limited, by its name with its place.
     points : list of ActiveBound or None
         In the order of the flattened dims.
     """
@@ -219,6 +221,7 @@ class ActiveFront:
     metrics: xr.Dataset
     multipliers: xr.Dataset
     passive: xr.Dataset
+    limits: Mapping[str, xr.DataArray]
     points: list[ActiveBound | None]
 
     def __repr__(self) -> str:
@@ -409,7 +412,8 @@ def _limits(known: Plant, limits: Any, minimised: str) -> xr.Dataset:
         if taken:
             raise ValueError(f"limits: {name} has a dim named {taken[0]!r} as a metric is; rename it, {taken[0]}_limit")
         array = plain if isinstance(plain, xr.DataArray) else xr.DataArray(plain, dims=["limit"][: plain.ndim])
-        found |= dict.fromkeys(places, array.astype(float))
+        unit = known.layout.outputs.quantities[name.partition("@")[0]].unit
+        found |= dict.fromkeys(places, array.astype(float).assign_attrs(units=unit))
     if minimised in found:
         raise ValueError(f"limits: {minimised} is what is minimised; limit other outputs")
     lengths = {array.sizes["limit"] for array in found.values() if "limit" in array.sizes}
@@ -468,5 +472,6 @@ def _front(grid: xr.Dataset, points: list[ActiveBound | None], problem: _Problem
             {name: over([np.nan if p is None else p.multipliers[name] for p in points]) for name in names}
         ),
         passive=problem.passive,
+        limits={str(name): limit for name, limit in grid.items()},
         points=points,
     )
