@@ -22,6 +22,7 @@ ROOMS = (
     "responses",
     "metrics",
     "surrogates",
+    "feedback",
     "study",
     "fit",
     "sweep",
@@ -35,6 +36,7 @@ ROOMS = (
 STRANGERS = (
     {"vehicles", "roads"},
     {"vehicles", "surrogates"},
+    {"surrogates", "feedback"},
     {"study", "fit"},
     {"study", "sweep"},
     {"fit", "sweep"},

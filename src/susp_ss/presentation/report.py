@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from ..feedback import ActiveBound, ActiveFront, Feedback
 from ..fit.fitting import Fit
 from ..metrics.comfort import Comfort
 from ..roads.road_fit import FittedRoad
 from ..study.feasibility import Study
 from ..study.scan import Scan
 from .text.comfort import comfort_text
+from .text.feedback import bound_text, feedback_text, front_text
 from .text.fit import fit_text
 from .text.road import fitted_road_text
 from .text.scan import scan_text
@@ -22,6 +24,9 @@ TEXTS: dict[type, Callable[[Any], str]] = {
     Scan: scan_text,
     FittedRoad: fitted_road_text,
     Comfort: comfort_text,
+    Feedback: feedback_text,
+    ActiveBound: bound_text,
+    ActiveFront: front_text,
 }
 
 
@@ -32,11 +37,12 @@ def report(result: Any) -> str:
     `Fit`: for each output the ranking, the choice, what the cheap model was worth, and the formula. Of a `Scan`: the
     nearest scenarios, and what each assumption can and cannot reach. Of a `FittedRoad`: class, spectrum and tracks,
     each with its interval. Of a `Comfort`: what is felt and in what words, doses, and how long a day they are
-    permitted.
+    permitted. Of a `Feedback`, an `ActiveBound` or an `ActiveFront`: every metric beside the passive vehicle's, the
+    gain, and what limits cost.
 
     Parameters
     ----------
-    result : Study, Fit, Scan, FittedRoad or Comfort
+    result : Study, Fit, Scan, FittedRoad, Comfort, Feedback, ActiveBound or ActiveFront
 
     Returns
     -------

@@ -15,6 +15,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ..extras import needing
+from ..feedback import ActiveBound, ActiveFront, Feedback
 from ..fit.fitting import Fit
 from ..fit.next_runs import asked_for, to_fill_in
 from ..metrics.comfort import Comfort
@@ -28,6 +29,7 @@ from ..study.scan import Scan
 from . import plots
 from .documents import comfort_document, study_document
 from .folder import write_results
+from .text.feedback import bound_text, feedback_text, front_text
 from .text.fit import fit_text
 
 PAGE = "report.html"
@@ -58,6 +60,7 @@ PICTURES = {
 SCAN, SCAN_PICTURE = "scan.csv", "scan.png"
 
 COMFORT = "comfort.csv", "comfort.json", "comfort.png"
+LAW, GAIN, LAW_TEXT, LAW_PICTURE = "feedback.csv", "gain.csv", "feedback.txt", "feedback.png"
 
 
 def save(result: Any, folder: str | PathLike[str], force: bool = False, figures: bool = True) -> None:
@@ -68,12 +71,14 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
     ``surrogate.json``, ``accuracy.csv``, ``predictions.csv``, ``figures/``, ``report.md`` and ``report.html``, and if
     it was asked for next runs ``next_runs.csv``, a table whose outputs wait to be filled in. A `Scan` becomes
     ``scan.csv`` and ``scan.png``. A `Comfort` becomes ``comfort.csv``, ``comfort.json`` and, of one design on a `Road`
-    or of a sweep along one dim, ``comfort.png``. A page is one file that opens in a browser without a network; it needs
-    the extra ``pages``.
+    or of a sweep along one dim, ``comfort.png``. A `Feedback`, an `ActiveBound` or an `ActiveFront` becomes
+    ``feedback.csv`` (every metric beside the passive vehicle's, or the front), ``gain.csv`` where there is one gain,
+    ``feedback.txt`` and ``feedback.png``. A page is one file that opens in a browser without a network; it needs the
+    extra ``pages``.
 
     Parameters
     ----------
-    result : Study, Fit, Scan or Comfort
+    result : Study, Fit, Scan, Comfort, Feedback, ActiveBound or ActiveFront
     folder : path
         Made if missing.
     force : bool
@@ -293,9 +298,33 @@ def _comfort_figure(comfort: Comfort) -> Figure | None:
     return plots.third_octaves({f"{output}, {name}": curve.sel(output=output) for name, curve in bands.items()})
 
 
+# Feedback
+
+
+def _write_law(law: Feedback, folder: Path, figures: bool) -> None:
+    law.table().to_csv(folder / LAW, index_label="metric")
+    if law.gain is not None:
+        law.gain.to_pandas().to_csv(folder / GAIN)
+    words = bound_text(law) if isinstance(law, ActiveBound) else feedback_text(law)
+    (folder / LAW_TEXT).write_text(words, encoding="utf-8")
+    if figures:
+        plots.feedback(law).savefig(folder / LAW_PICTURE)
+
+
+def _write_front(front: ActiveFront, folder: Path, figures: bool) -> None:
+    table = front.bound.to_dataframe(name=front.minimise)
+    table.join(front.multipliers.to_dataframe().add_prefix("multiplier_")).to_csv(folder / LAW)
+    (folder / LAW_TEXT).write_text(front_text(front), encoding="utf-8")
+    if figures and front.bound.ndim == 1:
+        plots.feedback(front).savefig(folder / LAW_PICTURE)
+
+
 KINDS: dict[type, Kind] = {
     Study: Kind((*TABLES, PAGE, *STILLS.values()), _write_study),
     Fit: Kind((SURROGATE, REPORT, PAGE, ACCURACY, PREDICTIONS, NEXT), _write_fit),
     Scan: Kind((SCAN, SCAN_PICTURE), _write_scan),
     Comfort: Kind(COMFORT, _write_comfort),
+    Feedback: Kind((LAW, GAIN, LAW_TEXT, LAW_PICTURE), _write_law),
+    ActiveBound: Kind((LAW, GAIN, LAW_TEXT, LAW_PICTURE), _write_law),
+    ActiveFront: Kind((LAW, LAW_TEXT, LAW_PICTURE), _write_front),
 }

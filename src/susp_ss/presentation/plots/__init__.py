@@ -8,6 +8,7 @@ notebook with alternative text.
 from .comfort import comfort, third_octaves
 from .described import Described
 from .designs import carpet
+from .feedback import feedback
 from .fitted import fitted_map
 from .frequency import bode, bode_magnitude, psd, study_curves
 from .modes import mode_shape, mode_shapes
@@ -30,6 +31,7 @@ __all__ = [
     "carpet",
     "comfort",
     "error_map",
+    "feedback",
     "fitted_map",
     "learning_curves",
     "mode_shape",
