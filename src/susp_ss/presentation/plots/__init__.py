@@ -9,7 +9,7 @@ from .comfort import comfort, third_octaves
 from .described import Described
 from .designs import carpet
 from .fitted import fitted_map
-from .frequency import bode, bode_magnitude, psd, study_curves
+from .frequency import bode, bode_magnitude, psd, spectra, study_curves
 from .modes import mode_shape, mode_shapes
 from .road import road_chart
 from .scan import scenario_scan
@@ -40,6 +40,7 @@ __all__ = [
     "response_surfaces",
     "road_chart",
     "scenario_scan",
+    "spectra",
     "steering",
     "study_curves",
     "third_octaves",
