@@ -15,6 +15,7 @@ ROOMS = (
     "quantities",
     "units",
     "written",
+    "netcdf",
     "progress",
     "vehicles",
     "roads",

@@ -15,9 +15,10 @@ EXTRAS = {
     "pages": (("plotly", "jinja2"), "report.html of a study and of a fit"),
     "excel": (("openpyxl",), "runs in Excel files"),
     "fmu": (("fmpy",), "runs of FMUs"),
-    "netcdf": (("netCDF4",), "runs in NetCDF 4 files"),
+    "netcdf": (("netCDF4",), "runs and profiles in NetCDF 4 files"),
     "parquet": (("pyarrow",), "runs in Parquet files"),
     "distributed": (("dask", "distributed", "zarr"), "susp-ss sweep: grids of any size, on any number of machines"),
+    "roads": (("pyopencrg",), "road surfaces in OpenCRG files"),
     "s3": (("s3fs",), "sweeps into object stores, s3://bucket/out.zarr"),
 }
 """Modules of each extra, and what it is for."""

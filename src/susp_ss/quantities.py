@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from numbers import Integral
+from numbers import Integral, Real
 from typing import Any, NamedTuple
 
 
@@ -181,7 +181,7 @@ UNITS: dict[str, dict[str, float]] = {
     "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704, "mm/s": 1e-3},
     "m^3": {"m^3": 1.0, "cm^3": 1e-6},
     "cycle/m": {"cycle/m": 1.0, "rad/m": 0.5 / math.pi},
-    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
     "Hz": {"Hz": 1.0, "rad/s": 0.5 / math.pi},
 }
 """For each SI unit, the units that people may state in its place, and how much of the SI unit one of them is."""
@@ -349,3 +349,27 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None, nee
     if not whole or value < least or (most is not None and value > most):
         raise ValueError(f"{name} must be a whole number {need or f'>= {least}'}, got {briefly(value)}")
     return int(value)
+
+
+def positive(name: str, value: Any, unit: str = "m") -> float:
+    """Return a number > 0 as float, or say what is wrong with it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        It is none, not finite or not > 0.
+
+    Examples
+    --------
+    >>> from susp_ss.quantities import positive
+    >>> positive("speed", -1.0, "m/s")
+    Traceback (most recent call last):
+    ValueError: speed must be > 0 m/s and finite, got -1.0
+    """
+    need = f"> 0 {unit}".rstrip()
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{name} must be a number {need}, got {briefly(value)}")
+    number = float(value)
+    if not (math.isfinite(number) and number > 0.0):
+        raise ValueError(f"{name} must be {need} and finite, got {briefly(value)}")
+    return number

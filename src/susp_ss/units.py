@@ -11,7 +11,7 @@ import math
 import re
 from typing import NamedTuple
 
-from .quantities import Quantity, units_of
+from .quantities import UNITS, Quantity, units_of
 
 NUMBER = re.compile(r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?|nan|inf|infinity)", re.IGNORECASE)
 DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:e[+-]?[0-9]+)?", re.IGNORECASE)
@@ -45,6 +45,24 @@ def plain_unit(unit: str) -> str:
     text = re.sub(r"/\((\w+)/(\w+)\)$", r"\2/\1", text)
     text = re.sub(r"(?<=\w)[\s.*·⋅-]+(?=[^\W\d])", "", text)
     return plain_unit(ALIASES[text]) if text in ALIASES else text
+
+
+SPELT = {plain_unit(unit) for units in UNITS.values() for unit in units}
+"""Every unit that is known, in plain spelling."""
+
+
+def split_heading(heading: str) -> tuple[str, str]:
+    """A column's name and the unit in brackets behind it, if that is a unit.
+
+    Examples
+    --------
+    >>> from susp_ss.units import split_heading
+    >>> split_heading("Ks (N/mm)"), split_heading("travel [rear]")
+    (('Ks', 'N/mm'), ('travel [rear]', ''))
+    """
+    found = re.fullmatch(r"(.*\S)\s*(?:\[(.+)\]|\((.+)\))", heading)
+    unit = (found[2] or found[3]) if found else ""
+    return (found[1], unit) if found and plain_unit(unit) in SPELT else (heading, "")
 
 
 def factor_of(unit: str, quantity: Quantity) -> float | None:

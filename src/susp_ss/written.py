@@ -10,9 +10,13 @@ import codecs
 import csv
 import io
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from decimal import Decimal
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .quantities import briefly
 
@@ -27,6 +31,8 @@ WRITTEN = {
     sign: re.compile(_WRITTEN.format(grouped=_GROUPED.format(other=other), sign=re.escape(sign)), re.IGNORECASE)
     for sign, other in ((".", ","), (",", "."))
 }
+# What a plain decimal number is made of.
+PLAIN = frozenset("0123456789.eE+-")
 NO_NUMBER = re.compile(r"[+-]?(?:nan|inf|infinity)", re.IGNORECASE)
 
 
@@ -127,6 +133,26 @@ def number(text: str, decimal: Sign = ".") -> float | None:
     return float(plain.replace(decimal, "."))
 
 
+def cell_number(cell: Any, decimal: Sign) -> float | None:
+    """The number of a cell, be it text or not; None if it holds none."""
+    if isinstance(cell, str):
+        return number(cell, decimal)
+    plain = isinstance(cell, (int, float, Decimal)) and not isinstance(cell, bool)
+    return float(cell) if plain else None
+
+
+def numbers(cells: Sequence[Any], sign: Sign) -> NDArray[np.float64]:
+    """Cells of a column as numbers, NaN where there is none."""
+    # Plain numbers are read all at once, ten times as fast.
+    if sign == "." and all(isinstance(cell, str) and cell for cell in cells) and PLAIN.issuperset("".join(cells)):
+        try:
+            return np.array(cells).astype(float)
+        except ValueError:
+            pass  # A cell such as 1-2, which the caller names.
+    values = (cell_number(cell, sign) for cell in cells)
+    return np.array([np.nan if value is None else value for value in values])
+
+
 def readings(text: str) -> dict[Sign, float]:
     """What a cell says with each decimal sign with which it is a number."""
     signs: tuple[Sign, Sign] = (".", ",")
@@ -187,3 +213,8 @@ def checked_sign(decimal: Any) -> Sign | None:
     if decimal is None or decimal in (".", ","):
         return decimal
     raise ValueError(f'decimal must be "." or ",", got {briefly(decimal)}')
+
+
+def unreadable(path: Path, kind: str, error: Exception) -> ValueError:
+    """What to say of a file that another library cannot read."""
+    return ValueError(f"{path}: not a readable {kind} file: {' '.join(str(error).split()) or type(error).__name__}")

@@ -16,13 +16,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from ..metrics.vibration import even_step
 from ..metrics.weightings import ACCELERATIONS, filter_of
 from ..progress import tracked
 from ..quantities import Quantity, briefly, metric_and_place
 from ..responses.filters import Filter
 from ..units import factor_of
-from ..written import Sign, checked_sign, decimal_sign
-from .runs import Runs, bounded, cell_number, check_asked, check_together, conversion, in_si_units, texts
+from ..written import Sign, checked_sign, decimal_sign, numbers
+from .runs import Runs, bounded, check_asked, check_together, conversion, in_si_units, texts
 from .tables import Table, place, read_table, row_word
 
 Array = NDArray[np.float64]
@@ -31,12 +32,6 @@ TIME = Quantity("time", "s", "time")
 
 # Cells of a column in which its decimal sign must show.
 SHOWN = 200
-
-# What a plain decimal number is made of.
-PLAIN = frozenset("0123456789.eE+-")
-
-# How uneven samples may be for a filter, of a step: what rounded time stamps are.
-UNEVEN = 0.01
 
 
 def read_histories(
@@ -184,7 +179,7 @@ class _History:
 
     def _numbers(self, table: Table, name: str, sign: Sign) -> Array:
         cells = table.cells[name]
-        values = _read(cells, sign)
+        values = numbers(cells, sign)
         missing = ~np.isfinite(values)
         if missing.any():
             at = int(np.argmax(missing))
@@ -215,16 +210,10 @@ class _History:
             raise ValueError(f"{self.path}: {error}") from None
 
     def _step(self) -> float:
-        steps = np.diff(self.t)
-        step = (self.t[-1] - self.t[0]) / len(steps)
-        uneven = np.abs(steps - step) > UNEVEN * step
-        if uneven.any():
-            at = int(np.argmax(uneven))
-            raise ValueError(
-                f"{self.path}, samples {at + 1} and {at + 2}: a weighting needs even samples, got a step of "
-                f"{steps[at]:.6g} s where the mean is {step:.6g} s"
-            )
-        return float(step)
+        try:
+            return even_step(self.t)
+        except ValueError as error:
+            raise ValueError(f"{self.path}, {error}") from None
 
 
 def over_time(name: str, t: Array, y: Array, cut: float) -> float:
@@ -251,18 +240,6 @@ def over_time(name: str, t: Array, y: Array, cut: float) -> float:
     if metric_and_place(name)[0] == "damper_power":
         return float(mean)
     return float(np.sqrt(np.trapezoid((y - mean) ** 2, t) / (t[-1] - t[0])))
-
-
-def _read(cells: Sequence[Any], sign: Sign) -> Array:
-    """Cells as numbers, NaN where there is none."""
-    # Plain numbers are read all at once, ten times as fast.
-    if sign == "." and all(isinstance(cell, str) and cell for cell in cells) and PLAIN.issuperset("".join(cells)):
-        try:
-            return np.array(cells).astype(float)
-        except ValueError:
-            pass  # A cell such as 1-2, which the caller names.
-    values = (cell_number(cell, sign) for cell in cells)
-    return np.array([np.nan if value is None else value for value in values])
 
 
 def _seconds(path: Path, table: Table) -> float:

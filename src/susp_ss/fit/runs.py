@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from decimal import Decimal
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..quantities import briefly
 from ..units import factor_of
-from ..written import Sign, checked_sign, decimal_sign, number
+from ..written import Sign, cell_number, checked_sign, decimal_sign
 from .tables import Table, place, possible_units, quantity, read_table, row_word
 
 
@@ -267,14 +266,6 @@ def bounded(name: str, value: float, where: str, got: Any) -> float:
     if not np.isfinite(value) or not within:
         raise ValueError(f"{where}: {name} must be finite{f' and {bound}' if bound else ''}, got {got}")
     return value
-
-
-def cell_number(cell: Any, decimal: Sign) -> float | None:
-    """The number of a cell, be it text or not; None if it holds none."""
-    if isinstance(cell, str):
-        return number(cell, decimal)
-    plain = isinstance(cell, (int, float, Decimal)) and not isinstance(cell, bool)
-    return float(cell) if plain else None
 
 
 def _noted(path: Path, table: Table, decimal: str, given: Mapping[str, str]) -> str:

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..quantities import briefly, quantity_of
 from ..roads.road import Road
+from ..roads.road_fit import unfitted
 from ..surrogates.intervals import NoInterval, NoIntervalWarning
 from ..surrogates.kriging import CoKriging, Kriging
 from ..surrogates.numbers import from_numbers, to_numbers
@@ -191,6 +192,7 @@ def _quietly(model: Surrogate, X: pd.DataFrame, **asked: Any) -> Any:
 
 
 def _road_table(road: Road) -> dict[str, Any]:
+    road = unfitted(road)
     if type(road) is not Road:
         raise ValueError(f"a surrogate file holds a Road, got a {type(road).__name__}")
     return dataclasses.asdict(road)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import difflib
 import io
-import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,20 +16,17 @@ import numpy as np
 import xarray as xr
 
 from ..extras import needing
-from ..quantities import KNOWN, UNITS, Quantity, quantity_of, units_of
-from ..units import plain_unit
+from ..netcdf import read_netcdf
+from ..quantities import KNOWN, Quantity, quantity_of, units_of
+from ..units import SPELT, plain_unit, split_heading
 from ..vehicles.files import models
 from ..vehicles.system_files import matlab_variables
-from ..written import SEPARATORS, like_number, text_table
+from ..written import SEPARATORS, like_number, text_table, unreadable
 
 NAMES = {name: quantity for model in models().values() for name, quantity in model.quantities().items()} | KNOWN
 """Parameters of vehicles and roads, and metrics, which are root mean squares or mean powers."""
 
 UNKNOWN = Quantity("", "", "")
-SPELT = {plain_unit(unit) for units in UNITS.values() for unit in units}
-
-# How a NetCDF file begins that is no HDF5 file; scipy reads it.
-CLASSIC = (b"CDF\x01", b"CDF\x02")
 
 # Lines of a sheet above which its header stands: titles, dates, names of projects.
 TITLES = 20
@@ -99,20 +95,6 @@ def read_table(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, str]
 
 
 # Columns
-
-
-def split_heading(heading: str) -> tuple[str, str]:
-    """A column's name and the unit in brackets behind it, if that is a unit.
-
-    Examples
-    --------
-    >>> from susp_ss.fit.tables import split_heading
-    >>> split_heading("Ks (N/mm)"), split_heading("travel [rear]")
-    (('Ks', 'N/mm'), ('travel [rear]', ''))
-    """
-    found = re.fullmatch(r"(.*\S)\s*(?:\[(.+)\]|\((.+)\))", heading)
-    unit = (found[2] or found[3]) if found else ""
-    return (found[1], unit) if found and plain_unit(unit) in SPELT else (heading, "")
 
 
 def find_columns(where: str, header: Sequence[str], columns: Mapping[str, str]) -> dict[str, Heading]:
@@ -254,7 +236,7 @@ def _sheets(path: Path) -> dict[str, list[tuple[int, list[Any]]]]:
         book = openpyxl.load_workbook(io.BytesIO(raw), read_only=True, data_only=True)
         sheets = {sheet.title: list(sheet.iter_rows(values_only=True)) for sheet in book.worksheets}
     except Exception as error:  # whatever a damaged file makes the reader raise
-        raise _unreadable(path, "Excel", error) from error
+        raise unreadable(path, "Excel", error) from error
     found = {}
     for title, rows in sheets.items():
         width = max(map(len, rows), default=0)
@@ -289,30 +271,18 @@ def _read_parquet(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, s
     try:
         file = pyarrow.parquet.ParquetFile(io.BytesIO(raw))
     except broken as error:
-        raise _unreadable(path, "Parquet", error) from error
+        raise unreadable(path, "Parquet", error) from error
     found = find_columns(str(path), file.schema_arrow.names, {**inputs, **outputs})
     try:
         table = file.read(columns=[heading.name for heading in found.values()])
         cells = {name: table.column(heading.name).to_pylist() for name, heading in found.items()}
     except broken as error:
-        raise _unreadable(path, "Parquet", error) from error
+        raise unreadable(path, "Parquet", error) from error
     return Table(range(1, table.num_rows + 1), cells, **_of_headings(found, file.schema_arrow.names))
 
 
 def _read_netcdf(path: Path, inputs: Mapping[str, str], outputs: Mapping[str, str]) -> Table:
-    # netCDF4 reports a missing file and a broken one alike, and scipy takes bytes.
-    raw = path.read_bytes()
-    classic = raw.startswith(CLASSIC)
-    if not classic:
-        with needing("netcdf", f"{path}: a NetCDF 4 file"):
-            import netCDF4  # noqa: F401
-    source, engine = (io.BytesIO(raw), "scipy") if classic else (path, "netcdf4")
-    try:
-        with xr.open_dataset(source, engine=engine, decode_times=False) as dataset:
-            available = [str(name) for name in dataset.variables]
-            wanted = dataset[[name for name in available if _asked(name, {**inputs, **outputs})]].load()
-    except (OSError, RuntimeError, ValueError, TypeError, LookupError) as error:
-        raise _unreadable(path, "NetCDF", error) from error
+    available, wanted = read_netcdf(path, lambda name: _asked(name, {**inputs, **outputs}))
     found = find_columns(str(path), available, {**inputs, **outputs})
     arrays = {name: wanted[heading.name] for name, heading in found.items()}
     spanned = list(dict.fromkeys(dim for name in inputs for dim in arrays[name].dims))
@@ -369,7 +339,3 @@ READERS: dict[str, Callable[..., Table]] = {
     ".nc": _read_netcdf,
     ".mat": _read_matlab,
 }
-
-
-def _unreadable(path: Path, kind: str, error: Exception) -> ValueError:
-    return ValueError(f"{path}: not a readable {kind} file: {' '.join(str(error).split()) or type(error).__name__}")

@@ -9,13 +9,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..progress import tracked
-from ..quantities import DIMS, EVENTS, SHIFT, Quantity, briefly
+from ..quantities import DIMS, EVENTS, SHIFT, Quantity, briefly, positive
 from ..responses.covariance.linearisation import linearise
 from ..responses.covariance.matrices import BATCH, batches
 from ..responses.covariance.spectral_moments import spectral_moments
 from ..responses.excitation import check_kinds, spanned
 from ..responses.labels import shifted
-from ..roads.profiles import positive
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.parameters import Corners, DesignSpace, checked, computed, design_dims
@@ -102,7 +101,7 @@ def rare_events(
     """
     check_kinds(vehicle, road)
     seconds = None if duration is None else positive("duration", duration, "s")
-    metres = positive("distance", distance)
+    metres = positive("distance", distance, "m")
     slope, reference, cycles = (
         positive(name, value, unit)
         for name, value, unit in (("sn_slope", sn_slope, ""), ("sn_range", sn_range, "N"), ("sn_cycles", sn_cycles, ""))

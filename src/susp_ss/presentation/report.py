@@ -6,13 +6,15 @@ from collections.abc import Callable
 from typing import Any
 
 from ..fit.fitting import Fit
+from ..metrics.comfort import Comfort
 from ..study.feasibility import Study
 from ..study.scan import Scan
+from .text.comfort import comfort_text
 from .text.fit import fit_text
 from .text.scan import scan_text
 from .text.study import study_text
 
-TEXTS: dict[type, Callable[[Any], str]] = {Study: study_text, Fit: fit_text, Scan: scan_text}
+TEXTS: dict[type, Callable[[Any], str]] = {Study: study_text, Fit: fit_text, Scan: scan_text, Comfort: comfort_text}
 
 
 def report(result: Any) -> str:
@@ -20,11 +22,12 @@ def report(result: Any) -> str:
 
     Of a `Study`: Tables 3 to 5 with ours beside the published values, what agrees, held-out accuracy and cost. Of a
     `Fit`: for each output the ranking, the choice, what the cheap model was worth, and the formula. Of a `Scan`: the
-    nearest scenarios, and what each assumption can and cannot reach.
+    nearest scenarios, and what each assumption can and cannot reach. Of a `Comfort`: what is felt and in what words,
+    doses, and how long a day they are permitted.
 
     Parameters
     ----------
-    result : Study, Fit or Scan
+    result : Study, Fit, Scan or Comfort
 
     Returns
     -------

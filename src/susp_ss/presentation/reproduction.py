@@ -9,6 +9,7 @@ import numpy as np
 
 from ..fit.fitting import Fit
 from ..roads.road import Road
+from ..roads.road_fit import unfitted
 from ..study.feasibility import Study
 
 
@@ -59,7 +60,7 @@ def study_command(study: Study) -> str | None:
         --corner fr --nodes 3 --free \
         --out results
     """
-    road, (springs, dampers) = study.road, study.nodes
+    road, (springs, dampers) = unfitted(study.road), study.nodes
     if springs != dampers or not study.as_published or type(road) is not Road or len(road.table) > 1:
         return None
     wheels = "" if road.wheels is None else f" --wheels {','.join(road.wheels)}"

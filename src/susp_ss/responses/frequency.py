@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -11,7 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..quantities import briefly
 from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
+from ..vehicles.parameters import blocks
 from .excitation import check_kinds, delays, integrated, processes, spanned
+
+# Numbers that are at work at once.
+TOGETHER = 5e4
 
 
 def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArray:
@@ -50,15 +54,17 @@ def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArr
     """
     check_kinds(vehicle)
     f = checked_frequency(frequency)
-    space = vehicle.design_space()
-    model = vehicle.flattened(space).assemble()
-    public, inputs = model.layout.outputs.public, (*model.layout.inputs, *model.layout.controls)
-    outputs = model.layout.outputs.names[public]
-    omega = 2.0 * np.pi * f
-    H = 1j * omega[:, None, None] * model.transfer(omega)
-    if model.layout.controls:
-        H = np.concatenate([H, _controlled(model, omega)], axis=-1)
-    H = np.broadcast_to(np.moveaxis(H, -3, -1)[..., public, :, :], (space.size, len(outputs), len(inputs), len(f)))
+    space, layout = vehicle.design_space(), vehicle.layout()
+    flat, omega = vehicle.flattened(space), 2.0 * np.pi * f
+    public, inputs = layout.outputs.public, (*layout.inputs, *layout.controls)
+    outputs = layout.outputs.names[public]
+    H = np.empty((space.size, len(outputs), len(inputs), len(f)), dtype=complex)
+    for part in blocks(space.size, int(TOGETHER // (len(layout.outputs) * len(inputs) * len(f)) + 1)):
+        model = flat.select(part).assemble()
+        found = 1j * omega[:, None, None] * model.transfer(omega)
+        if layout.controls:
+            found = np.concatenate([found, _controlled(model, omega)], axis=-1)
+        H[part] = np.moveaxis(found, -3, -1)[..., public, :, :]
     labels = {"output": list(outputs), "input": list(inputs), "frequency": f}
     result = space.unflatten(H, ("output", "input", "frequency"), labels).rename("frequency_response")
     result.frequency.attrs["units"] = "Hz"
@@ -74,7 +80,7 @@ def _controlled(model: Model, omega: NDArray) -> NDArray:
     return np.asarray(Y[..., None, :, :] @ x + D[..., None, :, :])
 
 
-def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
+def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike, cross: bool = False) -> xr.DataArray:
     """One-sided spectrum of every output on a random road.
 
     ``S_y(f) = sum over processes |H(f) sum_j b_j e^(-j w tau_j)|^2 G(f)``, the processes being the mean and the half
@@ -88,11 +94,15 @@ def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
         Any waviness, any tracks.
     frequency : array_like, (F,)
         Hz, > 0.
+    cross : bool
+        Cross-spectra of any two outputs as well, ``S_yz = E[Y Z*]``: its phase is how far ``output`` is ahead of
+        ``output_``, as in ``scipy.signal.csd(output_, output)``.
 
     Returns
     -------
     xarray.DataArray
-        On (sweep..., output, frequency), in output unit squared per Hz.
+        On (sweep..., output, frequency), in output unit squared per Hz; with ``cross`` complex on (sweep..., output,
+        output_, frequency), a Hermitian matrix at each frequency.
 
     Raises
     ------
@@ -111,58 +121,104 @@ def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     check_kinds(vehicle, road)
     f = checked_frequency(frequency)
     space, flat, road = spanned(vehicle, road)
-    model = flat.assemble()
-    public = model.layout.outputs.public
-    outputs = model.layout.outputs.names[public]
-    S = np.moveaxis(output_density(flat, model, road, f), -2, -1)[..., public, :]
-    S = np.broadcast_to(S, (space.size, len(outputs), len(f)))
-    result = space.unflatten(S, ("output", "frequency"), {"output": list(outputs), "frequency": f}).rename("psd")
+    table = vehicle.layout().outputs
+    outputs = list(table.names[table.public])
+    dims = ("output", "output_") if cross else ("output",)
+    S = np.empty((space.size, *(len(outputs) for _ in dims), len(f)), dtype=complex if cross else float)
+    for part in blocks(space.size, int(TOGETHER // (S[0].size + 1) + 1)):
+        some = flat.select(part)
+        wholes = _wholes(some, some.assemble(), road.select(part), f)
+        found: Any = sum(map(_outer if cross else squared, wholes))
+        S[part] = np.moveaxis(found, -1 - len(dims), -1)
+    result = space.unflatten(S, (*dims, "frequency"), {**dict.fromkeys(dims, outputs), "frequency": f}).rename("psd")
     result.frequency.attrs["units"] = "Hz"
     return result
 
 
-def output_density(
-    vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, interference: NDArray | None = None
-) -> NDArray:
-    """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs).
+def _wholes(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray) -> list[NDArray]:
+    """What each process does to the public outputs, (designs..., F, outputs), in roots of their densities per Hz."""
+    found = effects(vehicle, model, road, f, model.relative_transfer(2.0 * np.pi * f))
+    return [(np.sqrt(effect.velocity) * effect.whole)[..., model.layout.outputs.public] for effect in found]
 
-    ``interference`` (F,) is how much the cross terms of axles count, which turn with their delays: in full without it.
+
+def _outer(whole: NDArray) -> NDArray:
+    return np.asarray(whole[..., :, None] * whole[..., None, :].conj())
+
+
+class Effect(NamedTuple):
+    """What one process does to all outputs at frequencies, of arrays (designs..., F, outputs) for each of its axles.
+
+    ``velocity`` (designs..., F, 1) is the one-sided density per Hz of its rate, ``s`` (designs..., F, 1) is ``j w``.
+    ``alone`` is what each axle makes of the rate as if it met it at once, ``taus`` by how much later it does. What
+    integrates, such as the warp of the road, is in ``warps``, and what is left of it after all axles in ``drift``.
+    """
+
+    velocity: NDArray
+    s: NDArray
+    taus: list[NDArray]
+    alone: list[NDArray]
+    warps: list[NDArray]
+    drift: NDArray | None
+
+    def at(self, which: NDArray[np.int_]) -> Effect:
+        """The same of some of the designs, each of which has frequencies of its own."""
+
+        def some(x: NDArray) -> NDArray:
+            return x[which] if x.ndim == 3 else x
+
+        taus, alone, warps = ([some(x) for x in parts] for parts in (self.taus, self.alone, self.warps))
+        drift = None if self.drift is None else some(self.drift)
+        return Effect(some(self.velocity), some(self.s), taus, alone, warps, drift)
+
+    @property
+    def whole(self) -> NDArray:
+        """What all axles do together."""
+        turns = [-self.s * tau for tau in self.taus]
+        late: Any = sum(np.exp(turn) * one for turn, one in zip(turns, self.alone, strict=True))
+        if self.drift is not None:
+            # At low frequency the warp of an axle is large and nearly cancels the others': the sum first.
+            late = late + self.drift
+            late = sum((np.expm1(turn) * warp for turn, warp in zip(turns, self.warps, strict=True)), late)
+        return np.asarray(late)
+
+    @property
+    def each(self) -> list[NDArray]:
+        """What each axle does, what integrates included."""
+        return self.alone if self.drift is None else [a + b for a, b in zip(self.alone, self.warps, strict=True)]
+
+
+def effects(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, H: NDArray) -> list[Effect]:
+    """What every process does to all outputs of a flattened vehicle at frequencies (F,), or (designs, F).
+
+    ``H`` is `Model.relative_transfer` there.
     """
     omega = 2.0 * np.pi * f
-    H, s = model.relative_transfer(omega), 1j * omega[:, None]
-    turns = [-1j * omega * np.asarray(tau)[..., None] for tau in delays(vehicle, road)]
-    lags = [np.exp(turn)[..., None] for turn in turns]
+    s = 1j * omega[..., None]
+    taus = [np.asarray(tau)[..., None, None] for tau in delays(vehicle, road)]
     width = np.asarray(vehicle.track_width)[..., None]
     road = road.mapped(lambda x: np.asarray(x)[..., None])
     velocity = omega**2 * road.psd(f / road.speed) / road.speed
     if road.weighting is not None:
         velocity = velocity * road.weighting.power(omega)
-    total: Any = 0.0
+
+    def warped(rate: NDArray) -> NDArray:
+        return np.asarray((model.on_integrators @ rate[..., None])[..., None, :, 0] / s)
+
+    found = []
     for process in processes(vehicle, road):
         share: Any = process.share
         if process.sign:
             apart = road.incoherence(f / road.speed, width)
             share = 0.5 * (apart if process.sign < 0 else 2.0 - apart)
-        # By each axle, and by all together.
-        axles = process.axles
-        alone = [lags[j] * (H @ process.weights[j]) for j in axles]
-        whole: Any = sum(alone)
         rates, drift = integrated(model, process)
-        if rates.any():
-            # At low frequency the warp of an axle is large and nearly cancels the others': the sum first.
-            warps = [(model.on_integrators @ rate[..., None])[..., None, :, 0] / s for rate in (*rates[axles], drift)]
-            late = [np.expm1(turns[j])[..., None] * warp for j, warp in zip(axles, warps, strict=False)]
-            whole = whole + sum(late, warps[-1])
-            alone = [one + more + warp for one, more, warp in zip(alone, late, warps, strict=False)]
-        power = _squared(whole)
-        if interference is not None:
-            weight = interference[:, None]
-            power = weight * power + (1.0 - weight) * sum(map(_squared, alone))
-        total = total + power * (share * velocity)[..., None]
-    return np.asarray(total)
+        warps = [warped(rates[axle]) for axle in process.axles] if rates.any() else []
+        alone = list(np.moveaxis(H @ process.weights[process.axles].T, -1, 0))
+        late = [taus[axle] for axle in process.axles]
+        found.append(Effect((share * velocity)[..., None], s, late, alone, warps, warped(drift) if warps else None))
+    return found
 
 
-def _squared(z: NDArray) -> NDArray[np.float64]:
+def squared(z: NDArray) -> NDArray[np.float64]:
     """``|z|^2``."""
     return np.asarray(z.real**2 + z.imag**2)
 

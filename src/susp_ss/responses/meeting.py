@@ -9,7 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..roads.profiles import checked_tracks, positive
+from ..quantities import positive
+from ..roads.profiles import checked_tracks
 from ..vehicles.contract import RoadVehicle
 
 Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from ..progress import tracked
-from ..quantities import whole_number
-from ..roads.profiles import positive, wheel_heights
+from ..quantities import positive, whole_number
+from ..roads.profiles import wheel_heights
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.parameters import DesignSpace

@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ..quantities import briefly
+from ..quantities import briefly, positive
 from .golden_car import BASE, mean_index, velocities
-from .profiles import SIDES, checked_tracks, positive
+from .profiles import SIDES, checked_tracks
 from .road import Road
 
 Array = NDArray[np.float64]
@@ -171,7 +171,7 @@ def _travelled(x: Array, heights: Array) -> tuple[Array, Array]:
 
 def _edges(segment: Any, x: Array, ends: Array) -> Array:
     """Where segments begin, and the last one ends."""
-    length, widest = positive("segment", segment), np.diff(x).max()
+    length, widest = positive("segment", segment, "m"), np.diff(x).max()
     if length < widest:
         raise ValueError(f"segment must be at least a step of the profile, {widest:g} m, got {length:g} m")
     segments = np.ceil((ends[-1] - x[0]) / length - SAME)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from scipy.special import zeta
 
-from ..quantities import briefly, whole_number
+from ..quantities import briefly, positive, whole_number
 from .road import Road
 
 Array = NDArray[np.float64]
@@ -77,7 +77,7 @@ def synthesise(
         raise TypeError(f"road must be a Road, such as Road.iso8608('B'), got {briefly(road)}")
     road.single("synthesise()")
     length, step, track_width = (
-        positive(name, value) for name, value in (("length", length), ("step", step), ("track_width", track_width))
+        positive(name, value, "m") for name, value in (("length", length), ("step", step), ("track_width", track_width))
     )
     points = round(length / step)
     if not 2 <= points <= MOST_POINTS:
@@ -102,8 +102,18 @@ def profile_of(x: ArrayLike, left: ArrayLike, right: ArrayLike, attributes: dict
 
 
 def checked_tracks(profile: xr.Dataset) -> tuple[Array, Array]:
-    """Points x (P,) and heights (left and right, P) of a profile in m, or say what is wrong with it."""
+    """Points x (P,) and heights (left and right, P) of a profile in m, or say what is wrong with it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        No Dataset, a variable missing, on other dims, no numbers, not in m or not finite; x that does not rise.
+    """
     need = "profile must have left and right, heights in m on x"
+    if not isinstance(profile, xr.Dataset):
+        raise TypeError(
+            f"profile must be an xarray.Dataset of left and right, heights in m on x, got {briefly(profile)}"
+        )
     for name in ("x", *SIDES):
         if name not in profile.variables:
             raise ValueError(f"{need}, got no {name!r} among {', '.join(map(str, profile.variables))}")
@@ -226,13 +236,3 @@ def _folded(road: Road, n: Array, sampling: float) -> Array:
     scale = road.psd(IMAGES * sampling) * IMAGES**power
     far = scale * (zeta(power, IMAGES + 1.0 + x) + zeta(power, IMAGES + 1.0 - x))
     return np.asarray(road.psd(n) + np.interp(n / sampling, x, near + far))
-
-
-def positive(name: str, value: Any, unit: str = "m") -> float:
-    """A finite number > 0, or a refusal that names the argument."""
-    need = f"> 0 {unit}".rstrip()
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise TypeError(f"{name} must be a number {need}, got {briefly(value)}")
-    if not (np.isfinite(value) and value > 0.0):
-        raise ValueError(f"{name} must be {need} and finite, got {briefly(value)}")
-    return float(value)

@@ -19,6 +19,7 @@ from ..metrics.in_memory import template
 from ..quantities import ROAD, briefly, signal
 from ..responses.excitation import check_kinds
 from ..roads.road import Road
+from ..roads.road_fit import unfitted
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.curves import Curve
 from ..vehicles.files import entry, model_name
@@ -203,6 +204,7 @@ def _asked(
     chunk: Mapping[str, int],
 ) -> dict[str, str]:
     """Everything that decides the numbers of a store, as text by name."""
+    road = unfitted(road)
     own = {name: getattr(vehicle, name) for name in vehicle.quantities()}
     fixed = [name for name, x in own.items() if isinstance(x, Curve) or (name not in axes and x is not None)]
     grid = {name: np.asarray(values, dtype=float) for name, values in axes.items()}

@@ -5,11 +5,13 @@ draws on Axes of your own where ``ax`` gives them, one for each panel. ``Describ
 notebook with alternative text.
 """
 
+from .comfort import comfort, third_octaves
 from .described import Described
 from .designs import carpet
 from .fitted import fitted_map
-from .frequency import bode, bode_magnitude, psd, study_curves
+from .frequency import bode, bode_magnitude, psd, spectra, study_curves
 from .modes import mode_shape, mode_shapes
+from .road import road_chart
 from .scan import scenario_scan
 from .steering import steering
 from .study import error_map, response_surfaces
@@ -26,6 +28,7 @@ __all__ = [
     "bode",
     "bode_magnitude",
     "carpet",
+    "comfort",
     "error_map",
     "fitted_map",
     "learning_curves",
@@ -35,7 +38,10 @@ __all__ = [
     "psd",
     "residuals",
     "response_surfaces",
+    "road_chart",
     "scenario_scan",
+    "spectra",
     "steering",
     "study_curves",
+    "third_octaves",
 ]
