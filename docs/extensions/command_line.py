@@ -40,9 +40,17 @@ def _said(parameter: Any) -> str:
     return _plain(f"{parameter.help} {more}".rstrip())
 
 
-def page(name: str) -> Iterator[str]:
+def every(group: Any, before: str = "") -> Iterator[tuple[str, Any]]:
+    """Name and command of all there are, those of groups by both names."""
+    for name, command in group.commands.items():
+        if hasattr(command, "commands"):
+            yield from every(command, f"{before}{name} ")
+        else:
+            yield before + name, command
+
+
+def page(name: str, command: Any) -> Iterator[str]:
     """Lines of Markdown that say all of a command."""
-    command = typer.main.get_command(commands).commands[name]
     arguments = [_signature(parameter) for parameter in command.params if parameter.param_type_name == "argument"]
     yield f"```bash\n{' '.join([PROGRAM, name, *arguments, '[OPTIONS]'])}\n```\n"
     yield f"{_help(command.help)}\n"
@@ -63,7 +71,7 @@ class Commands(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         """Return the parsed help of every command."""
         group = typer.main.get_command(commands)
-        text = "\n".join(f"## {name}\n\n" + "\n".join(page(name)) for name in group.commands)
+        text = "\n".join(f"## {name}\n\n" + "\n".join(page(name, command)) for name, command in every(group))
         return self.parse_text_to_nodes(text, allow_section_headings=True)
 
 

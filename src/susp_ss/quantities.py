@@ -166,7 +166,7 @@ _LB, _IN, _G = 0.45359237, 0.0254, 9.80665
 UNITS: dict[str, dict[str, float]] = {
     "kg": {"kg": 1.0, "t": 1e3, "lb": _LB},
     "kg m^2": {"kg m^2": 1.0, "lb ft^2": _LB * (12.0 * _IN) ** 2},
-    "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": _IN, "ft": 12.0 * _IN},
+    "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": _IN, "ft": 12.0 * _IN, "km": 1e3},
     "N/m": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "lbf/in": _LB * _G / _IN},
     "N s/m": {"N s/m": 1.0, "N s/mm": 1e3, "kN s/m": 1e3, "lbf s/in": _LB * _G / _IN},
     "m/s^2": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": _G},

@@ -11,6 +11,11 @@ import susp_ss as ss
 from susp_ss.cli import app
 
 COMMANDS = [command.name for command in app.registered_commands]
+COMMANDS += [
+    f"{group.name} {command.name}".strip()
+    for group in app.registered_groups
+    for command in group.typer_instance.registered_commands
+]
 
 
 @pytest.fixture

@@ -452,8 +452,8 @@ GOOD = "18,1.2,0.6,8\n20,1.5,0.7,7\n"
         ),
         (
             HEADER + "N/mm,,g,furlong\n" + GOOD,
-            "runs.csv, line 2, column 'travel': needs a unit, one of m, mm, cm, in, ft, or nothing, as column 'K_S' of "
-            "this line has the unit 'N/mm', got 'furlong'",
+            "runs.csv, line 2, column 'travel': needs a unit, one of m, mm, cm, in, ft, km, or nothing, as column "
+            "'K_S' of this line has the unit 'N/mm', got 'furlong'",
         ),
         (
             HEADER + "N/mm,N/mm,g,mm\n" + GOOD,

@@ -348,6 +348,25 @@ def test_scenario_scan_puts_what_matters_first():
         plots.scenario_scan(Scan(scanned().tail(1)))
 
 
+def test_road_chart_shows_roads_and_profiles_among_the_classes():
+    profile = ss.synthesise(ss.Road.iso8608("B"), 500.0, 0.1)
+    figure = plots.road_chart({"measured": profile, "fitted": ss.fit_road(profile), "class D": ss.Road.iso8608("D")})
+    assert_whole(figure)
+    (axes,) = figure.axes
+    assert {text.get_text() for text in axes.texts} == set("ABCDEFGH")
+    lines = {line.get_label(): line.get_xydata() for line in axes.lines if not line.get_label().startswith("_")}
+    assert set(lines) == {"measured", "fitted", "class D"}
+    at = np.interp(np.log(0.1), *np.log(lines["class D"]).T)
+    np.testing.assert_allclose(np.exp(at), 1024e-6, rtol=1e-6)
+    limits = [line.get_xydata() for line in axes.lines if line.get_color() == "0.6"]
+    upper = [np.exp(np.interp(np.log(0.1), *np.log(limit).T)) for limit in limits]
+    np.testing.assert_allclose(sorted(upper), 32e-6 * 4.0 ** np.arange(7), rtol=1e-6)
+    with pytest.raises(TypeError, match="roads must be Roads or profiles, got 3"):
+        plots.road_chart({"one": 3})
+    with pytest.raises(ValueError, match=r"road_chart.* needs a road with one"):
+        plots.road_chart(ss.Road(roughness=np.array([1e-6, 2e-6])))
+
+
 def test_pictures_draw_on_given_axes(study):
     curves = plots.study_curves("fr")
     spectra = {"full car": ss.psd(ss.FullCar(), ROAD, [1.0, 10.0]).sel(output=["sws_fr", "bacc_cg"])}
@@ -361,6 +380,7 @@ def test_pictures_draw_on_given_axes(study):
         (lambda ax: plots.carpet(grid_of_designs(), ax=ax), (1, 1)),
         (lambda ax: plots.scenario_scan(Scan(scanned()), ax), (1, 1)),
         (lambda ax: plots.error_map(study, "RB", ["dtl"], ax), (1, 1)),
+        (lambda ax: plots.road_chart(ROAD, ax), (1, 1)),
     ]:
         figure, axes = own_axes(*shape)
         assert draw(axes) is figure

@@ -144,7 +144,7 @@ REFUSED = {
     ),
     "back": ("x,left\n3,0.1\n2,0\n", "line 3, column 'x': the distance must rise from point to point, got 2 m after 3"),
     "a hole": ("x,left\n0,0\n.1,0\n.2,0\n9,.1\n", "line 5, column 'x': a gap of 8.8 m, where points are 0.1 m apart"),
-    "unit": ("x,left [kg]\n0,1\n1,2\n", "column 'left .kg.': left is in one of m, mm, cm, in, ft, got 'kg'"),
+    "unit": ("x,left [kg]\n0,1\n1,2\n", "column 'left .kg.': left is in one of m, mm, cm, in, ft, km, got 'kg'"),
     "millimetres": (f"x,left\n{ROUGH}", r"column 'left': heights in m .*if they are in mm, state it: .*left \[mm\]"),
 }
 

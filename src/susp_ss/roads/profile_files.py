@@ -130,7 +130,8 @@ def read_profile(
         found = reader(file, asked, stated, sign)
     check(file, found)
     left, right = (found.values[name if name in found.values else other] for name, other in (SIDES, SIDES[::-1]))
-    made = {"file": str(file)} | ({"read": ", ".join(found.noted)} if found.noted else {})
+    made: dict[str, Any] = {"file": str(file)} | ({"read": ", ".join(found.noted)} if found.noted else {})
+    made |= {"track_width": track_width} if reader is _read_crg else {}
     return profile_of(found.values["x"], left, right, made)
 
 

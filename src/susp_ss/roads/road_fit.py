@@ -159,8 +159,8 @@ def fit_road(
     outside = [w for w in best.theta[1:3] if not 1.0 < w < 4.0]
     if outside:
         raise ValueError(
-            f"profile has a spectrum that falls as n^-{outside[0]:.2g}, and a road's waviness is > 1 and < 4; is it a "
-            "road's height, in m over m?"
+            f"profile has a spectrum that falls as n^-w with w = {outside[0]:.2g}, and a road's waviness is > 1 and < "
+            "4; is it a road's height, in m over m?"
         )
     surface = best.surface()
     if parameters.get("tracks") is None:
@@ -171,7 +171,7 @@ def fit_road(
         intervals=best.intervals(confidence),
         confidence=confidence,
         scatter=best.scatter,
-        spectrum=_labelled(bands, confidence),
+        spectrum=_labelled(bands, confidence).assign_attrs(track_width=width),
     )
 
 
