@@ -41,6 +41,7 @@ def test_json_is_what_the_library_says(run):
         ((*ROUGH, "--clearance", "-1"), "--clearance must be > 0 m, got -1"),
         ((*ROUGH, "--rebound", "80mm"), "rebound needs a clearance"),
         ((*ROUGH, "--sn-slope", "steep"), "--sn-slope"),
+        ((*ROUGH, "--distance", "2000", "--duration", "60"), "--distance and --duration are two ways"),
         ((*ROUGH, "--ct", "50"), "pass ct=0"),
     ],
 )

@@ -215,3 +215,7 @@ def test_stops_need_deflections():
     lag = control.ss([[-1.0]], [[1.0]], [[1.0]], [[0.0]], inputs=["dz_r"], outputs=["gap"])
     with pytest.raises(ValueError, match="needs a vehicle with suspension deflections, outputs sws"):
         ss.rare_events(ss.LinearVehicle(lag), ss.Road(), clearance=0.1)
+    with pytest.raises(ValueError, match="needs a vehicle with outputs bacc, sws, dtl"):
+        ss.rare_events(ss.LinearVehicle(lag), ss.Road())
+    with pytest.raises(ValueError, match=r"bump stop must fit the designs, got {'design': 3} for {'design': 2}"):
+        ss.rare_events(ss.QuarterCar(ks=np.array([1e4, 2e4])), ROAD, np.array([0.05, 0.06, 0.07]))

@@ -203,6 +203,17 @@ def test_one_output_of_the_bode_plot_fits_a_column():
     assert np.abs(np.diff(phase)).max() < 40.0
 
 
+def test_spectra_of_any_outputs():
+    f, outputs = np.geomspace(0.1, 50.0, 60), ["bacc_cg", "pitch_acc", "sws_fr", "dtl_rl"]
+    S = ss.psd(ss.FullCar(), ROAD, f).sel(output=outputs)
+    figure = plots.spectra({"full car": S, "twice as rough": 4.0 * S})
+    assert_whole(figure)
+    labels = ["bacc_cg ((m/s²)²/Hz)", "pitch_acc ((rad/s²)²/Hz)", "sws_fr (mm²/Hz)", "dtl_rl (N²/Hz)"]
+    assert [axes.get_ylabel() for axes in figure.axes][:4] == labels
+    for axes, output, one in zip(figure.axes, outputs, (1.0, 1.0, 1e-3, 1.0), strict=False):
+        np.testing.assert_allclose(axes.lines[1].get_ydata(), 4.0 * S.sel(output=output) / one**2)
+
+
 def test_five_curves_are_refused_not_dropped():
     (name, curve), *_ = plots.study_curves("fr").items()
     with pytest.raises(ValueError, match="at most 4 curves can be told apart, got 5"):
@@ -358,10 +369,12 @@ def test_road_chart_shows_roads_and_profiles_among_the_classes():
 
 def test_pictures_draw_on_given_axes(study):
     curves = plots.study_curves("fr")
+    spectra = {"full car": ss.psd(ss.FullCar(), ROAD, [1.0, 10.0]).sel(output=["sws_fr", "bacc_cg"])}
     for draw, shape in [
         (lambda ax: plots.bode(curves, ax), (2, 3)),
         (lambda ax: plots.bode_magnitude(curves, ax), (1, 3)),
         (lambda ax: plots.psd(CARS, ROAD, ax=ax), (1, 3)),
+        (lambda ax: plots.spectra(spectra, ax), (1, 2)),
         (lambda ax: plots.mode_shapes(ss.QuarterCar(), ax=ax), (1, 2)),
         (lambda ax: plots.mode_shape(ss.FullCar(), 0, ax=ax), (1, 1)),
         (lambda ax: plots.carpet(grid_of_designs(), ax=ax), (1, 1)),

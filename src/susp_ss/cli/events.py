@@ -22,7 +22,7 @@ from .options import (
     road_from_options,
     vehicle_options,
 )
-from .refusals import refusals
+from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..roads.road import Road
     from ..vehicles.vehicle import Vehicle
 
-LENGTHS = {
+MEASURED = {
     "clearance": Quantity("clearance", "m", "travel to the bump stop", bound="> 0", known=(0.005, 0.5)),
     "rebound": Quantity("rebound", "m", "travel to the rebound stop", bound="> 0", known=(0.005, 0.5)),
     "distance": Quantity("distance", "m", "length of the stretch", bound="> 0"),
@@ -71,17 +71,16 @@ def run(
     from .. import rare_events
     from ..vehicles.files import vehicle_table
 
-    given = {"clearance": clearance, "rebound": rebound, "distance": distance, "duration": duration} | {
-        "sn_range": sn_range
-    }
-    asked = {
-        name: measured(flag(name), text, LENGTHS[name], trust_units) for name, text in given.items() if text is not None
-    }
-    asked |= {
-        name: number(flag(name), text)
-        for name, text in {"sn_slope": sn_slope, "sn_cycles": sn_cycles}.items()
+    if distance is not None and duration is not None:
+        raise Refusal("--distance and --duration are two ways to say one thing; pass one of them")
+    lengths = {"clearance": clearance, "rebound": rebound, "distance": distance, "duration": duration}
+    numbers = {"sn_slope": sn_slope, "sn_cycles": sn_cycles}
+    asked: dict[str, Any] = {
+        name: measured(flag(name), text, MEASURED[name], trust_units)
+        for name, text in {**lengths, "sn_range": sn_range}.items()
         if text is not None
     }
+    asked |= {name: number(flag(name), text) for name, text in numbers.items() if text is not None}
     with refusals(), Console(stderr=True).status("computing"):
         events = rare_events(vehicle, road, **asked)
     if as_json:

@@ -313,7 +313,8 @@ def _say(profile: "xr.Dataset", as_json: bool, about: dict[str, Any]) -> None:
         typer.echo(json.dumps({**about, "profile": plain}, indent=2))
         return
     table = Table("profile")
-    table.add_column("m", justify="right")
+    table.add_column("value", justify="right")
+    table.add_column("unit")
     for name, value in summary.items():
-        table.add_row(name, f"{value:d}" if name == "points" else f"{value:.5g}")
+        table.add_row(name, f"{value:d}" if name == "points" else f"{value:.5g}", "" if name == "points" else "m")
     print_table(table)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,7 @@ from ..responses.excitation import check_kinds, spanned
 from ..responses.labels import shifted
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
-from ..vehicles.parameters import Corners, DesignSpace, checked, design_dims
+from ..vehicles.parameters import Corners, DesignSpace, checked, computed, design_dims
 from .extremes import COUNTINGS, ESTIMATES, Gaussian
 from .in_memory import LINEARISED
 
@@ -70,7 +70,8 @@ def rare_events(
         On (sweep..., corner or point): ``bump_rate``, ``rebound_rate`` and ``lift_off_rate`` (1/s), how often a
         suspension reaches its stop and a wheel leaves the ground; ``bump_probability`` and so on, that it happens on
         the stretch at all; ``static_load`` (N). ``bacc_highest``, ``sws_highest``, ``dtl_highest``, the expected
-        highest values on the stretch, on dim "estimate": ``vanmarcke``, ``davenport``, ``cartwright``.
+        highest values on the stretch, on dim "estimate" (``vanmarcke``, ``davenport``, ``cartwright``); the lowest are
+        as far below zero.
         ``bacc_crossings`` and so on (1/s), and the ``irregularity`` of the suspension's deflection, zero crossings over
         peaks, 1 of a sine. ``damage`` of the suspension's spring on dim "counting": ``narrow_band``, ``dirlik``. A
         `LinearVehicle` has no static loads and no springs, and what needs them is left out. The attributes say over
@@ -87,8 +88,7 @@ def rare_events(
     (E. H. Vanmarcke, *On the distribution of the first-passage time for normal stationary random processes*, J. Appl.
     Mech. 42, 1975). ``davenport`` takes them one by one (A. G. Davenport 1964), ``cartwright`` counts peaks (D. E.
     Cartwright and M. S. Longuet-Higgins 1956). Fatigue: Miles 1954 and T. Dirlik, *Application of computers in fatigue
-    analysis*, 1985. A sweep takes half a millisecond a quarter car,
-    two a full car.
+    analysis*, 1985. A sweep takes a tenth of a millisecond a quarter car, one or two a full car.
 
     Examples
     --------
@@ -110,61 +110,83 @@ def rare_events(
     space, flat, ground = spanned(vehicle, road)
     straight = linearise(flat, space, ground) if flat.curved else None
     car, layout = flat if straight is None else straight.vehicle, vehicle.layout()
-    processes = _processes(car, space, ground)
-    stretch: Any = metres / _array(road.speed) if seconds is None else seconds
+    ride = _Ride(_processes(car, space, ground), metres / _array(computed(road.speed)) if seconds is None else seconds)
 
-    def of(output: str, method: Any, *arguments: Any, dims: tuple[str, ...] = ()) -> xr.DataArray:
-        """What a method of `Gaussian` makes of an output's process."""
+    def at_corners(values: Array) -> xr.DataArray:
+        return _placed(np.broadcast_to(values, (space.size, len(layout.corners))), "corner", layout.corners, space)
+
+    found = ride.shapes()
+    for event, sign, level in stops:
+        _check_fits(level, ride, event)
+        found |= ride.reaching(event, "sws", level if straight is None else level - sign * at_corners(straight.shift))
+    loads = car.static_loads()
+    if loads is not None:
+        _check_lift_off(vehicle, space, road, ride.processes["dtl"])
+        found["static_load"] = at_corners(loads)
+        found |= ride.reaching("lift_off", "dtl", found["static_load"])
+    if "ks" in vehicle.quantities():
+        stiffness = at_corners(np.stack([np.broadcast_to(k, space.size) for k in car.at_wheels("ks")], axis=-1))
+        ranges = ride.of("sws", lambda process: process.ranges(slope), dims=("counting",))
+        found["damage"] = ride.seconds / cycles * (stiffness / reference) ** slope * ranges
+
+    over = {"distance": metres} if seconds is None else {"duration": seconds}
+    events = _dataset(found, space, {**over, "sn_slope": slope, "sn_range": reference, "sn_cycles": cycles})
+    if straight is not None:
+        events[SHIFT.name] = shifted(layout, space, straight.shift, "{statistic} {meaning}")
+        events.attrs["comment"] = LINEARISED
+    return events
+
+
+class _Ride(NamedTuple):
+    """Moments of the outputs, each on (sweep..., place), and the length of the stretch in s."""
+
+    processes: dict[str, list[xr.DataArray]]
+    seconds: Any
+
+    def of(self, output: str, method: Any, *arguments: Any, dims: tuple[str, ...] = ()) -> xr.DataArray:
+        """What a method of `Gaussian` makes of an output."""
 
         def applied(*arrays: Array) -> Array:
             m0, m1, m2, m4, *rest = np.broadcast_arrays(*arrays)
             return np.asarray(method(Gaussian(m0, m1, m2, m4), *rest))
 
-        return xr.apply_ufunc(applied, *processes[output], *arguments, output_core_dims=[dims])
+        return xr.apply_ufunc(applied, *self.processes[output], *arguments, output_core_dims=[dims])
 
-    found: dict[str, xr.DataArray] = {}
-    for name in processes:
-        found[f"{name}_crossings"] = of(name, lambda process: process.rate)
-        found[f"{name}_highest"] = of(name, Gaussian.highest, stretch, dims=("estimate",))
+    def shapes(self) -> dict[str, xr.DataArray]:
+        """What needs no level."""
+        found = {}
+        for name in self.processes:
+            found[f"{name}_crossings"] = self.of(name, lambda process: process.rate)
+            found[f"{name}_highest"] = self.of(name, Gaussian.highest, self.seconds, dims=("estimate",))
+        if "sws" in self.processes:
+            found["irregularity"] = self.of("sws", lambda process: process.irregularity)
+        return found
 
-    def reached(event: str, output: str, level: Any) -> None:
-        found[f"{event}_rate"] = of(output, Gaussian.passing, level)
-        found[f"{event}_probability"] = of(output, Gaussian.reaching, level, stretch)
+    def reaching(self, event: str, output: str, level: Any) -> dict[str, xr.DataArray]:
+        """How often and how likely an output reaches a level."""
+        return {
+            f"{event}_rate": self.of(output, Gaussian.passing, level),
+            f"{event}_probability": self.of(output, Gaussian.reaching, level, self.seconds),
+        }
 
-    def at_corners(values: Array) -> xr.DataArray:
-        return _placed(np.broadcast_to(values, (space.size, len(layout.corners))), "corner", layout.corners, space)
 
-    mean = 0.0 if straight is None else at_corners(straight.shift)
-    for event, sign, level in stops:
-        reached(event, "sws", level - sign * mean)
-    loads = car.static_loads()
-    if loads is not None:
-        _check_lift_off(vehicle, space, road, processes["dtl"])
-        found["static_load"] = at_corners(loads)
-        reached("lift_off", "dtl", found["static_load"])
-    if "sws" in processes:
-        found["irregularity"] = of("sws", lambda process: process.irregularity)
-    if "ks" in vehicle.quantities():
-        stiffness = at_corners(np.stack([np.broadcast_to(k, space.size) for k in car.at_wheels("ks")], axis=-1))
-        ranges = of("sws", lambda process: process.ranges(slope), dims=("counting",))
-        found["damage"] = stretch / cycles * (stiffness / reference) ** slope * ranges
-    events = xr.Dataset({name: found[name].assign_attrs(_said(name)) for name in EVENTS if name in found})
-    over = {"distance": metres} if seconds is None else {"duration": seconds}
-    events.attrs |= {**over, "sn_slope": slope, "sn_range": reference, "sn_cycles": cycles}
-    if straight is not None:
-        events[SHIFT.name] = shifted(layout, space, straight.shift, "{statistic} {meaning}")
-        events.attrs["comment"] = LINEARISED
-    sweep = dict.fromkeys([*space.dims, *(dim for dim in events.dims if dim not in DIMS)])
+def _dataset(found: dict[str, xr.DataArray], space: DesignSpace, attributes: dict[str, float]) -> xr.Dataset:
+    """Events in the order of their table, dims of the sweep first."""
+    said = {name: {"units": quantity.unit, "long_name": quantity.meaning} for name, quantity in EVENTS.items()}
+    events = xr.Dataset({name: found[name].assign_attrs(said[name]) for name in EVENTS if name in found})
     labels = {"estimate": list(ESTIMATES), "counting": list(COUNTINGS)}
-    return events.assign_coords({dim: label for dim, label in labels.items() if dim in events.dims}).transpose(
-        *sweep, "point", "corner", "seat", "estimate", "counting", missing_dims="ignore"
-    )
+    events = events.assign_coords({dim: label for dim, label in labels.items() if dim in events.dims})
+    sweep = dict.fromkeys([*space.dims, *(dim for dim in events.dims if dim not in DIMS)])
+    places = ("point", "corner", "estimate", "counting")
+    return events.transpose(*sweep, *places, missing_dims="ignore").assign_attrs(attributes)
 
 
 def _processes(car: RoadVehicle, space: DesignSpace, road: Road) -> dict[str, list[xr.DataArray]]:
     """Moments of the outputs that events are made of, each on (sweep..., place)."""
     layout = car.layout()
     outputs = [name for name in OUTPUTS if name in layout.outputs.quantities]
+    if not outputs:
+        raise ValueError(f"rare_events needs a vehicle with outputs {', '.join(OUTPUTS)}, got {car!r}")
     rows = {name: np.arange(len(layout.outputs))[layout.outputs.of(name)] for name in outputs}
     every = np.concatenate(list(rows.values()))
     parts = list(batches(np.arange(space.size), BATCH))
@@ -183,10 +205,6 @@ def _placed(values: Array, dim: str, places: tuple[str, ...], space: DesignSpace
     if places == ("",):
         return space.unflatten(values[:, 0])
     return space.unflatten(values, (dim,), {dim: list(places)})
-
-
-def _said(name: str) -> dict[str, str]:
-    return {"units": EVENTS[name].unit, "long_name": EVENTS[name].meaning}
 
 
 def _array(value: Any) -> Any:
@@ -210,7 +228,7 @@ def _travel(name: str, given: Any, vehicle: RoadVehicle) -> Any:
     """Travel to a stop in m, one number or one a wheel."""
     where, wheels = f"rare_events({name}=...)", vehicle.wheels
     if not isinstance(given, (Corners, tuple)):
-        return _array(checked(given, where, CLEARANCE))
+        return _array(computed(checked(given, where, CLEARANCE)))
     each = tuple(given)
     if len(each) == len(vehicle.axles) != len(wheels):
         each = tuple(each[wheel.axle] for wheel in wheels.values())
@@ -219,6 +237,18 @@ def _travel(name: str, given: Any, vehicle: RoadVehicle) -> Any:
         raise ValueError(f"{where} must be one value{need}, got {briefly(given)}")
     parts = [_array(checked(part, f"{where} at {wheel}", CLEARANCE)) for wheel, part in zip(wheels, each, strict=True)]
     return xr.concat([xr.DataArray(part) for part in parts], "corner").assign_coords(corner=list(wheels))
+
+
+def _check_fits(level: Any, ride: _Ride, event: str) -> None:
+    """Say when travels to a stop are as many as designs of a dim are not."""
+    if isinstance(level, xr.DataArray):
+        try:
+            xr.align(ride.processes["sws"][0], level, join="exact")
+        except ValueError:
+            sizes = [dict(x.sizes) for x in (level, ride.processes["sws"][0])]
+            raise ValueError(
+                f"the travel to the {event} stop must fit the designs, got {sizes[0]} for {sizes[1]}"
+            ) from None
 
 
 def _check_lift_off(vehicle: RoadVehicle, space: DesignSpace, road: Road, loads: list[xr.DataArray]) -> None:

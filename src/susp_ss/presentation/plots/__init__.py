@@ -10,7 +10,7 @@ from .described import Described
 from .designs import carpet
 from .feedback import feedback
 from .fitted import fitted_map
-from .frequency import bode, bode_magnitude, psd, study_curves
+from .frequency import bode, bode_magnitude, psd, spectra, study_curves
 from .modes import mode_shape, mode_shapes
 from .road import road_chart
 from .scan import scenario_scan
@@ -42,6 +42,7 @@ __all__ = [
     "response_surfaces",
     "road_chart",
     "scenario_scan",
+    "spectra",
     "steering",
     "study_curves",
     "third_octaves",
