@@ -331,7 +331,7 @@ def briefly(value: Any) -> str:
         return text
     kind = type(value).__name__
     article = "an" if kind[:1].lower() in "aeio" or kind.startswith("nd") else "a"
-    size = f" of shape {value.shape}" if hasattr(value, "shape") else ""
+    size = f" of shape {value.shape}" if isinstance(getattr(value, "shape", None), tuple) else ""
     return f"{article} {kind}{size}"
 
 

@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 LENGTH = Quantity("x", "m", "length")
 
 WORDS = {
-    "left": {"left", "l", "lwp"},
-    "right": {"right", "r", "rwp"},
+    "left": {"left", "l", "lwp", "lelev"},
+    "right": {"right", "r", "rwp", "relev"},
     "x": {"x", "distance", "dist", "station", "chainage", "position"},
     "track": {"z", "elevation", "height", "profile", "track"},
 }

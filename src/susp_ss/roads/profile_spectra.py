@@ -17,8 +17,8 @@ Array = NDArray[np.float64]
 # ISO 8608 fits between these wavenumbers, in cycle/m: the outer edges of the octaves around 1/64 and 2.
 LOWEST, HIGHEST = 2.0**-6.5, 2.0**1.5
 
-# ISO 8608 smooths in octaves up to the first of these edges, in thirds of one up to the second, in twelfths above.
-THIRDS, TWELFTHS = 2.0**-4.5, 2.0 ** (-4.5 + 8.0 / 3.0)
+# From these on, as powers of two, it smooths in thirds of an octave and in twelfths; below in whole ones.
+THIRDS, TWELFTHS = -4.5, -4.5 + 8.0 / 3.0
 
 # Harmonics of a segment below this are left out, since a spectrum that falls and the trend taken off change them by
 # some per cent; so segments are as long as the lowest band wants.
@@ -41,9 +41,10 @@ EQUAL = 2.0
 class Bands(NamedTuple):
     """A profile's spectrum in bands (B,), and what each harmonic (H,) has to do with it.
 
-    ``psd`` is that of one track in m^3, times ``(n / n0)^2``, a mean over a band's harmonics and both tracks; of their
-    mean ``in_phase`` and half difference ``opposed`` twice that. ``covariance`` (B, B) is that of ``psd`` relative to
-    its expectation, ``freedom`` the degrees of freedom of ``in_phase`` and ``opposed`` alone.
+    ``psd`` is that of one track in m^3, times ``(n / n0)^2``, a mean over a band's harmonics and both tracks;
+    ``in_phase`` and ``opposed`` are twice that of the tracks' mean and of their half difference. ``covariance`` (B, B)
+    is that of ``psd`` relative to its expectation, ``freedom`` the degrees of freedom of ``in_phase`` and ``opposed``.
+    Of each harmonic there are the wavenumber, the band, the number along a segment, and what interpolation has kept.
     """
 
     centre: Array
@@ -90,9 +91,10 @@ class Bands(NamedTuple):
 
 def band_edges() -> Array:
     """Edges of the bands that ISO 8608 smooths in, in cycle/m."""
-    octaves = np.arange(-6.5, -4.5)
-    thirds = -4.5 + np.arange(8) / 3.0
-    twelfths = np.arange(-4.5 + 8.0 / 3.0, 1.5 + 1e-9, 1.0 / 12.0)
+    lowest, highest = np.log2([LOWEST, HIGHEST])
+    octaves = np.arange(lowest, THIRDS)
+    thirds = THIRDS + np.arange(8) / 3.0
+    twelfths = np.arange(TWELFTHS, highest + 1e-9, 1.0 / 12.0)
     return 2.0 ** np.concatenate([octaves, thirds, twelfths])
 
 
@@ -132,16 +134,15 @@ def bands_of(x: Array, tracks: Array, waviness: float = 2.0) -> Bands | None:
     def mean(density: Array) -> Array:
         return np.bincount(of_band, weight * density[good]) / np.bincount(of_band)
 
-    alone, both, together = mean(left + right) / 2.0, mean(left + right) / 2.0, mean(cross)
-    in_phase, opposed = np.maximum(both + together, 0.0), np.maximum(both - together, 0.0)
-    gamma = together / both if both.all() else np.ones_like(both)
+    psd, together = 0.5 * mean(left + right), mean(cross)
+    gamma = together / np.where(psd > 0.0, psd, 1.0)
     count = (tracks.shape[1] - points) // (points // 2) + 1
     relative = _relative_covariance(order[good], of_band, points, count)
     return Bands(
         np.sqrt(edges[present] * edges[present + 1]),
-        alone,
-        in_phase,
-        opposed,
+        psd,
+        np.maximum(psd + together, 0.0),
+        np.maximum(psd - together, 0.0),
         relative * 0.5 * (1.0 + np.outer(gamma, gamma)),
         2.0 / np.diag(relative),
         n[good],
