@@ -137,8 +137,10 @@ def write(kept, cells):
             [model, criterion, runs, *map(dict(zip(mine.index, shown, strict=True)).get, names, [""] * len(names))]
         )
     claimed = cells[cells.index.get_level_values("runs") >= FROM]
-    outside = claimed[~claimed.held.round(2).between(*CLAIMED)]
-    within = 1.0 - len(outside) / len(claimed)
+    share = claimed.held.round(2)
+    below, above = claimed[share < CLAIMED[0]], claimed[share > CLAIMED[1]]
+    within = len(claimed) - len(below) - len(above)
+    spread = kept[kept.runs >= FROM].groupby(KEY).held.sem()
     minutes = kept.groupby("draw").seconds.first().sum() / 60.0
     text = [
         "# New responses that intervals of 95 % hold",
@@ -147,13 +149,15 @@ def write(kept, cells):
         f"{kept.draw.nunique()} draws of runs, tested at {NEW} others each, in %; in brackets half the width over the "
         "RMSE at the same designs, 2.0 of normal errors that are alike everywhere. An empty cell had too few runs.",
         "",
-        f"From {FROM} runs on {within:.0%} of {len(claimed)} cells hold {CLAIMED[0]:.0%} to {CLAIMED[1]:.0%}.",
+        f"From {FROM} runs on {within} of {len(claimed)} cells hold {CLAIMED[0]:.0%} to {CLAIMED[1]:.0%}, {len(above)} "
+        f"hold more, and {len(below)} less; all of them together {claimed.held.mean():.1%}. The standard error of a "
+        f"cell is {100.0 * spread.median():.1f} % in the median.",
         "",
         *rows(["model", "criterion", "runs", *names], body),
         "",
-        "## Outside",
+        f"## Less than {CLAIMED[0]:.0%}",
         "",
-        *rows([*KEY, "held, %"], [[*key, f"{100.0 * row.held:.0f}"] for key, row in outside.iterrows()]),
+        *rows([*KEY, "held, %"], [[*key, f"{100.0 * row.held:.0f}"] for key, row in below.iterrows()]),
     ]
     (RESULTS / "intervals.md").write_text("\n".join([*text, ""]), encoding="utf-8")
     if claimed.held.min() < LEAST_HELD:
