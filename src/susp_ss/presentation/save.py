@@ -64,8 +64,8 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
     held-out accuracy, cost and versions), ``responses.nc``, ``figures/`` and ``report.html``. A `Fit` becomes
     ``surrogate.json``, ``accuracy.csv``, ``predictions.csv``, ``figures/``, ``report.md`` and ``report.html``. A `Scan`
     becomes ``scan.csv`` and ``scan.png``. A `Feedback`, an `ActiveBound` or an `ActiveFront` becomes ``feedback.csv``
-    (every metric beside the passive vehicle's, or the front), ``gain.csv`` where there is one gain, ``feedback.txt`` and
-    ``feedback.png``. A page is one file that opens in a browser without a network; it needs the
+    (every metric beside the passive vehicle's, or the front), ``gain.csv`` where there is one gain, ``feedback.txt``
+    and ``feedback.png``. A page is one file that opens in a browser without a network; it needs the
     extra ``pages``.
 
     Parameters
