@@ -99,6 +99,12 @@ def test_a_closed_loop_stands_wherever_a_vehicle_may(law):
     assert np.isfinite(history.bacc).all()
 
 
+def test_a_loop_far_faster_than_its_filter_is_parted():
+    """Gains that make modes a million times as fast as those of the weighting once kept `LinearVehicle` for ever."""
+    law = ss.lqr(CAR, ROAD, {"bacc": 1.0, "sws": 1e3, "dtl": 1e-6, "force": 1e-12}, weighting="Wk")
+    assert 0.0 < float(law.metrics.bacc) < float(law.passive.bacc)
+
+
 def test_tuning_finds_the_best_of_a_grid():
     limit = 1.01 * float(ss.ride_metrics(CAR, ROAD).dtl)
 

@@ -10,7 +10,7 @@ its own delay; in between both follow exponentials. So every output's response t
 variance is the integral of the square: no delay line, no Pade, no grid.
 
 In ``x = psi + Z s`` with ``(A - B K) Z + Z (A - B K)^T = B R^-1 B^T`` both parts run by themselves, psi forwards and s
-backwards in time (Hac, Vehicle System Dynamics 21 (1992); Tomizuka, J. Dyn. Sys. Meas. Control 97 (1975)).
+backwards in time (Hac, Vehicle System Dynamics 21 (1992); Tomizuka, J. Dyn. Sys. Meas. Control 98 (1976)).
 """
 
 from __future__ import annotations

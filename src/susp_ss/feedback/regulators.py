@@ -60,7 +60,8 @@ def lqr(vehicle: Any, road: Any, weights: Mapping[str, float], weighting: Any = 
     """
     known = plant(vehicle, road, weighting, "lqr")
     law = _regulator(known, weights)
-    return known.result("lqr", known.closed(law.K), (vehicle, weighting), gain=known.gain(law.K))
+    closed = known.closed(law.K, named=not known.weighting)
+    return known.result("lqr", closed, (vehicle, weighting), gain=known.gain(law.K))
 
 
 def lqg(

@@ -74,8 +74,8 @@ def groundhook(vehicle: Any, road: Any, gain: float, lag: float = 0.0, weighting
 def hybrid(vehicle: Any, road: Any, sky: float, ground: float, lag: float = 0.0, weighting: Any = None) -> Feedback:
     """Dampers to the sky and to the ground at once: ``u = ground z_u' - sky z_s'`` at every corner.
 
-    With a lag the force follows as ``lag F' + F = u``. Velocities are absolute and known; the forces act both on body
-    and wheel (Ahmadian, in: SAE 973213, 1997).
+    With a lag the force follows as ``lag F' + F = u``. Velocities are absolute and known; each force acts on the body
+    and back on the wheel.
 
     Parameters
     ----------

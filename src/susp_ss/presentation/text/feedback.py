@@ -27,7 +27,8 @@ def feedback_text(law: Feedback) -> str:
 def bound_text(bound: ActiveBound) -> str:
     """The bound, what its limits cost, and every metric."""
     unit = typeset(bound.metrics[bound.minimise.partition("@")[0]].attrs["units"])
-    said = f"{bound!r}. {'No law of any kind comes lower' if bound.preview else 'The best gain found on the states alone'}."
+    rank = "No law of any kind comes lower" if bound.preview else "The best gain found on the states alone"
+    said = f"{bound!r}. {rank}."
     if bound.unresolved:
         said += (
             f" Forces without end would come closer and closer to a value about {100 * bound.unresolved:.2g} % lower; "
