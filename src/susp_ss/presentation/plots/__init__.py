@@ -11,6 +11,7 @@ from .designs import carpet
 from .fitted import fitted_map
 from .frequency import bode, bode_magnitude, psd, spectra, study_curves
 from .modes import mode_shape, mode_shapes
+from .ride import ride, ride_animation
 from .road import road_chart
 from .scan import scenario_scan
 from .steering import steering
@@ -38,6 +39,8 @@ __all__ = [
     "psd",
     "residuals",
     "response_surfaces",
+    "ride",
+    "ride_animation",
     "road_chart",
     "scenario_scan",
     "spectra",
