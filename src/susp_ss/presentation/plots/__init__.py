@@ -12,6 +12,7 @@ from .feedback import feedback
 from .fitted import fitted_map
 from .frequency import bode, bode_magnitude, psd, spectra, study_curves
 from .modes import mode_shape, mode_shapes
+from .ride import ride, ride_animation
 from .road import road_chart
 from .scan import scenario_scan
 from .steering import steering
@@ -40,6 +41,8 @@ __all__ = [
     "psd",
     "residuals",
     "response_surfaces",
+    "ride",
+    "ride_animation",
     "road_chart",
     "scenario_scan",
     "spectra",
