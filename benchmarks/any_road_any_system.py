@@ -20,6 +20,7 @@ import numpy as np
 from report import LIBRARIES, digits, processor, rows
 from rich.console import Console
 from ride_metrics import Case, Race
+from scipy.integrate import cubature
 
 import susp_ss as ss
 from susp_ss.responses.covariance.routes import covariance_variances
@@ -28,6 +29,7 @@ from susp_ss.responses.excitation import spanned
 RESULTS = Path(__file__).parent / "results"
 MANY = 1000
 FEW = 4  # cars that an integral over frequency is timed on
+RUNS, STEP = 100, 1e-3  # designs that are driven over one road, in steps of so many seconds
 STATES, OUTPUTS = 30, 12
 
 LYAPUNOV, EIG = "scipy's expm and Lyapunov solver", "batched numpy.linalg.eig"
@@ -121,7 +123,75 @@ def waviness(model, tracks):
             np.testing.assert_allclose(by_terms[name], by_integral[name], rtol=1e-5, err_msg=name)
 
     name = f"{case.name}, waviness 2.5, {tracks} tracks"
-    return Pair(name, ours, MANY, f"the spectral route, {FEW} cars", other, FEW, 2000.0, agree=agree)
+    return Pair(name, ours, MANY, f"the spectral route, {FEW} cars", other, FEW, 100.0, agree=agree)
+
+
+def integrated(model, tracks):
+    """The spectral route of one car beside scipy's cubature of the same spectrum, its breaks at the resonances."""
+    car, road = model(), ss.Road(tracks=tracks)
+    breaks = [np.array([u]) for u in np.log(car.modes()["frequency"])]
+    outputs = [name for name in ss.psd(car, road, [1.0]).output.values.tolist() if name.startswith(("sws", "dtl"))]
+    exact = ss.ride_metrics(car, road)
+    scale = [exact[name].item() if not exact[name].dims else exact[name][0].item() for name in ("sws", "dtl")]
+    sizes = np.repeat(scale, len(outputs) // 2)[:, None] ** 2
+
+    def density(u):
+        f = np.exp(u[:, 0])
+        return (ss.psd(car, road, f).sel(output=outputs).values * f / sizes).T
+
+    def ours():
+        return ss.ride_metrics(car, road, method="spectral")
+
+    def other():
+        ends = [np.log(1e-12)], [np.log(1e9)]
+        return np.sqrt(cubature(density, *ends, rule="gk21", rtol=1e-7, atol=1e-12, points=breaks).estimate)
+
+    def agree():
+        first = other().reshape(2, -1)[:, 0] * scale
+        for name, value in zip(("sws", "dtl"), first, strict=True):
+            np.testing.assert_allclose(np.ravel(ours()[name])[0], value, rtol=1e-6)
+
+    return Pair(f"{model.__name__}, {tracks} tracks, spectral", ours, 1, "scipy's cubature", other, 1, 5.0, agree=agree)
+
+
+def driven(model):
+    """A minute over one road in steps of a millisecond, many designs, beside python-control's of one."""
+    ks = np.linspace(12e3, 30e3, RUNS)
+    time = STEP * np.arange(60001)
+    z = 1e-3 * np.cumsum(np.random.default_rng(1).standard_normal((len(model.wheels), len(time))), axis=1)
+    z -= z[:, :1]
+
+    def ours(cars=None):
+        return ss.simulate(model(ks=ks) if cars is None else cars, z, time, reduce="peak")
+
+    def other():
+        return control.forced_response(model(ks=ks[0]).state_space(), time, z).outputs
+
+    def agree():
+        found = ours(model(ks=ks[0]))["sws"].values
+        peaks = np.abs(other()).max(axis=-1)
+        rows = [i for i, name in enumerate(model(ks=ks[0]).state_space().output_labels) if name.startswith("sws")]
+        np.testing.assert_allclose(np.ravel(found), peaks[rows], rtol=1e-9)
+
+    return Pair(f"{model.__name__}, 60 s at 1 ms", ours, RUNS, "control.forced_response", other, 1, 10.0, agree=agree)
+
+
+def answered(model):
+    """Frequency responses of many designs beside python-control's of a few."""
+    ks, f = np.linspace(12e3, 30e3, RUNS), np.geomspace(0.1, 50.0, 500)
+
+    def ours():
+        return ss.frequency_response(model(ks=ks), f)
+
+    def other():
+        return np.stack([model(ks=k).state_space()(2j * np.pi * f, squeeze=False) for k in ks[:FEW]])
+
+    def agree():
+        expected = other()
+        np.testing.assert_allclose(ours()[:FEW], expected, atol=1e-10 * abs(expected).max())
+
+    name = f"{model.__name__}, response at 500 frequencies"
+    return Pair(name, ours, RUNS, "python-control", other, FEW, 3.0, agree=agree)
 
 
 def weighted():
@@ -157,6 +227,12 @@ def pairs():
     yield waviness(ss.QuarterCar, "identical")
     yield waviness(ss.FullCar, "isotropic")
     yield weighted()
+    yield integrated(ss.QuarterCar, "identical")
+    yield integrated(ss.RollHalfCar, "isotropic")
+    yield driven(ss.QuarterCar)
+    yield driven(ss.FullCar)
+    yield answered(ss.QuarterCar)
+    yield answered(ss.FullCar)
     yield systems(1, LYAPUNOV, 2.5)
     yield systems(1, LYAPUNOV, 2.0, labels=False)
     yield systems(MANY, EIG, 1.0)

@@ -15,7 +15,7 @@ from ..vehicles.parameters import blocks
 from .excitation import check_kinds, delays, integrated, processes, spanned
 
 # Numbers that are at work at once.
-TOGETHER = 5e4
+TOGETHER = 2e5
 
 
 def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArray:
@@ -61,10 +61,11 @@ def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArr
     H = np.empty((space.size, len(outputs), len(inputs), len(f)), dtype=complex)
     for part in blocks(space.size, int(TOGETHER // (len(layout.outputs) * len(inputs) * len(f)) + 1)):
         model = flat.select(part).assemble()
-        found = 1j * omega[:, None, None] * model.transfer(omega)
+        heights = len(layout.inputs)
+        H[part, :, :heights] = np.moveaxis(model.transfer(omega)[..., public, :], -3, -1)
+        H[part, :, :heights] *= 1j * omega
         if layout.controls:
-            found = np.concatenate([found, _controlled(model, omega)], axis=-1)
-        H[part] = np.moveaxis(found, -3, -1)[..., public, :, :]
+            H[part, :, heights:] = np.moveaxis(_controlled(model, omega)[..., public, :], -3, -1)
     labels = {"output": list(outputs), "input": list(inputs), "frequency": f}
     result = space.unflatten(H, ("output", "input", "frequency"), labels).rename("frequency_response")
     result.frequency.attrs["units"] = "Hz"
