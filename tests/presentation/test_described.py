@@ -3,8 +3,11 @@
 import base64
 import html.parser
 import io
+import itertools
 
+import numpy as np
 from matplotlib.image import imread
+from PIL import Image, ImageSequence
 
 import susp_ss as ss
 from susp_ss import plots
@@ -35,3 +38,15 @@ def test_a_described_picture():
     picture = imread(io.BytesIO(base64.b64decode(data, validate=True)), format="png")
     assert picture[..., :3].std() > 0.02
     assert abs(picture.shape[1] - 90 * figure.get_figwidth()) < 40
+
+
+def test_a_described_picture_that_moves():
+    car = ss.QuarterCar()
+    over = ss.simulate(car, ss.obstacle("bump"), speed=5.0, positions=True).isel(time=slice(900, 1100))
+    (image,) = Images(plots.Described(plots.ride_animation(car, over), WORDS)._repr_html_()).found
+    kind, _, data = image["src"].partition(",")
+    assert (image["alt"], kind) == (WORDS, "data:image/gif;base64")
+    with Image.open(io.BytesIO(base64.b64decode(data, validate=True))) as picture:
+        frames = [np.array(frame.convert("RGB"), dtype=float) for frame in ImageSequence.Iterator(picture)]
+    assert len(frames) == 5
+    assert all(np.abs(one - next_one).max() > 100 for one, next_one in itertools.pairwise(frames))
