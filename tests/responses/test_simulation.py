@@ -149,6 +149,17 @@ def test_numbers_in_place_of_histories_are_those_of_the_histories():
     assert kept.sws.attrs["units"] == "m"
 
 
+def test_a_car_runs_straight_before_it_is_steered():
+    car, time = ss.RideHandlingCar(), np.arange(0.0, 1.0, 0.01)
+    turn = ss.simulate(car, np.full_like(time, 0.2), time, inputs={"delta_f": np.full_like(time, 0.01)})
+    plant = car.state_space()
+    u = np.zeros((plant.ninputs, len(time)))
+    u[plant.input_labels.index("delta_f")] = 0.01
+    expected = ct.forced_response(plant, time, u).outputs[plant.output_labels.index("yaw_rate")]
+    np.testing.assert_allclose(turn.yaw_rate, expected, atol=1e-9)
+    assert abs(float(turn.yaw_rate[0])) < 1e-12
+
+
 @pytest.mark.parametrize("reduce", ["root", (), ("rms", "root"), 3, [None]])
 def test_unknown_statistics(reduce):
     with pytest.raises(ValueError, match="reduce must be one or several of rms, mean, peak, max, min, got"):

@@ -47,7 +47,6 @@ class FirstOrderHold:
     """
 
     def __init__(self, A: Array, B: Array, C: Array, D: Array, h: float):
-        self.A, self.B = A, B
         F, hold, self.H = held(A, B, h)
         self.F, self.G = F, F @ self.H + hold - self.H
         self.forward = joined([self.F, self.G], -1)
@@ -62,10 +61,6 @@ class FirstOrderHold:
         for _ in range(int(np.log2(BLOCK))):
             power = power @ power
         return power, np.concatenate(at_end[::-1], axis=-1)
-
-    def rest(self, u: Array) -> Array:
-        """States (N, n, 1) that stand still under inputs u, (m, 1) or (N, m, 1)."""
-        return np.asarray(-np.linalg.solve(self.A, self.B @ u))
 
     def drive(self, u: Array, x: Any = 0.0) -> Iterator[Array]:
         """Outputs (N, p, L) under inputs u, (m, T) or (N, m, T), from states x (..., n, 1): stretch after stretch."""

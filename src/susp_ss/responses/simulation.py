@@ -50,7 +50,7 @@ def simulate(
     """Drive a vehicle over a profile at a speed, or over given heights under its wheels.
 
     The heights are taken as linear between samples and the states advance exactly, as `control.forced_response` has
-    them, a hundred times as fast. The vehicle starts at rest in static equilibrium on the first heights, its further
+    them, tens of times as fast. The vehicle starts at rest in static equilibrium on the first heights, its further
     inputs at zero. Outputs that need the road's velocity (tyre damping, rigid tyre) take it from the heights by central
     differences.
 
@@ -202,7 +202,10 @@ def _linear(part: Any, z: Array, t: Array, controls: Array | None, positions: bo
 def driven(
     model: Model, z: Array, step: float, controls: Array | None = None, placed: RoadVehicle | None = None
 ) -> Iterator[Array]:
-    """Outputs (N, outputs, L) on road heights z (inputs, T) or (N, inputs, T), from static equilibrium on the first."""
+    """Outputs (N, outputs, L) on road heights z (inputs, T) or (N, inputs, T), from static equilibrium on the first.
+
+    Further inputs, ``controls`` (inputs, T), are zero before.
+    """
     form = model.displacement_form() if placed is None else form_with_positions(model, placed)
     A, B, Y, D, D1 = form
     on_states, on_outputs, given = [B], [D], [z]
@@ -219,7 +222,7 @@ def driven(
         given.append(np.gradient(z, step, axis=-1))
     u = joined(given, -2)
     hold = FirstOrderHold(A, joined(on_states, -1), Y, joined(on_outputs, -1), step)
-    return hold.drive(u, hold.rest(u[..., :1]))
+    return hold.drive(u, -np.linalg.solve(A, B @ z[..., :1]))
 
 
 def _curved(part: Any, z: Array, t: Array, controls: Array | None, positions: bool) -> Iterator[Array]:

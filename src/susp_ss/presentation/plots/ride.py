@@ -230,11 +230,7 @@ def _parts(vehicle: Vehicle, history: xr.Dataset, k: int, large: float) -> list[
 
 def _add_car(axes: Axes, vehicle: Vehicle, history: xr.Dataset, k: int, large: float) -> list[Any]:
     """The vehicle at one instant; its lines."""
-    looks: Any = (
-        {"color": BODY, "linewidth": 2.5},
-        {"color": "0.5", "linewidth": 0.8},
-        {"color": WHEEL, "linewidth": 1.2},
-    )
+    looks = (BODY, 2.5), ("0.5", 0.8), (WHEEL, 1.2)
     parts, lines = iter(_parts(vehicle, history, k, large)), []
     for opacity, _ in _sides(vehicle):
         for look, (x, y) in zip(looks, parts, strict=False):
