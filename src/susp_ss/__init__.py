@@ -52,7 +52,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         ],
         "study": ["Scan", "Study", "feasibility_study", "scan_scenarios"],
         "exchange": ["FMU", "export"],
-        "fit": ["Fit", "LowFidelity", "fit_runs", "load_surrogate", "read_histories", "read_runs"],
+        "fit": ["Fit", "LowFidelity", "fit_runs", "load_surrogate", "next_runs", "read_histories", "read_runs"],
         "presentation": ["plots"],
         "presentation.report": ["report"],
         "presentation.save": ["save"],

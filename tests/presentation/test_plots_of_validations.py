@@ -83,6 +83,15 @@ def test_residuals(validations):
         np.testing.assert_allclose(points, np.column_stack([one.y, one.predicted - one.y]), atol=1e-15)
 
 
+@pytest.mark.parametrize(("draw", "height"), [(plots.parity, "predicted"), (plots.residuals, "residuals")])
+def test_other_bars(validations, draw, height):
+    bars = {name: one.allowance for name, one in validations.items()}
+    drawn = series(draw(validations, margins=bars).axes[0])
+    for name, one in validations.items():
+        expected = getattr(one, height)[:, None] + bars[name][:, None] * np.array([-1.0, 1.0])
+        np.testing.assert_allclose(drawn[name][1][0], expected, rtol=1e-6, atol=1e-12)
+
+
 @pytest.mark.parametrize("draw", [plots.parity, plots.residuals])
 def test_one_validation_needs_no_legend(validations, draw):
     figure = draw(validations["RB"])

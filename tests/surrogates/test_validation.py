@@ -350,3 +350,29 @@ def test_bad_arguments(change, error, match):
 def test_a_refusal_states_the_size_of_the_fold():
     with pytest.raises(ValueError, match=r"fold 1 of 6, fitted to 5 of 6 runs: degree 2 in 2 variable"):
         ss.cross_validate(ss.Polynomial(2), plan(6), cheap(plan(6)))
+
+
+@pytest.mark.parametrize("n", [6, 19, 21, 60])
+@pytest.mark.parametrize("stated", [False, True])
+def test_an_allowance_is_what_the_other_runs_say(n, stated):
+    rng = np.random.default_rng(n)
+    y, std = rng.normal(size=n), rng.uniform(0.5, 2.0, n) if stated else None
+    one = Validation(y, y + rng.normal(size=n) * (1.0 if std is None else std), std, None)
+    size = np.ones(n) if std is None else std
+    for i in range(n):
+        others = np.sort(np.delete(abs(one.residuals) / size, i))
+        if n >= 20:
+            # At least 95 % of n, the run itself among them.
+            expected = others[np.ceil(0.95 * n).astype(int) - 1]
+        else:
+            expected = stats.t(n - 1).ppf(0.975) * np.sqrt(np.mean(others**2))
+        assert one.allowance[i] == pytest.approx(size[i] * expected)
+
+
+def test_an_allowance_holds_independent_errors():
+    held = []
+    for seed in range(200):
+        y = np.random.default_rng(seed).normal(size=40)
+        one = Validation(y, np.zeros(40), None, None)
+        held.append(np.mean(abs(one.residuals) <= one.allowance))
+    assert np.mean(held) == pytest.approx(0.95, abs=0.01)

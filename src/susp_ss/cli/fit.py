@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from .fmu import CUT, FmuRuns, fmu_from_options
+from .fmu import CUT, FmuRuns, box_of, fmu_from_options, ranges_of
 from .folder import check_result
 from .options import Force, Json, TrustUnits, built_from, counted, names, number, road_from_options, vehicle_options
 from .refusals import Refusal, refusals
@@ -146,14 +146,28 @@ def run(
             "without.",
         ),
     ] = False,
+    next_runs: Annotated[
+        int,
+        counted(
+            "Also name so many designs to run next, those that would tell most; with --out in next_runs.csv.", "--next"
+        ),
+    ] = 0,
+    next_range: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=LO:HI,...",
+            help="Bounds of these designs, such as ks=16N/mm:24N/mm.",
+            show_default="where the runs lie; of an FMU --range",
+        ),
+    ] = None,
     trust_units: TrustUnits = False,
     seed: Annotated[int, counted("Of folds and held-out runs.")] = 0,
     out: Annotated[
         Path | None,
         typer.Option(
             metavar="FOLDER",
-            help="Write surrogate.json, report.html, report.md, tables and figures here; without it nothing is "
-            "written.",
+            help="Write surrogate.json, report.html, report.md, tables and figures here, with --next next_runs.csv; "
+            "without it nothing is written.",
             show_default=False,
         ),
     ] = None,
@@ -167,6 +181,7 @@ def run(
     cheap model. A line of units may follow the header.
 
     susp-ss fit runs.csv --inputs ks,cs --outputs bacc,sws,dtl --out fit
+    susp-ss fit runs.csv --inputs ks,cs --outputs bacc --next 5 --out fit
     susp-ss fit --fmu model.fmu --runs 30 --inputs ks,cs --range ks=16N/mm:24N/mm,cs=1000:2000 --outputs bacc
     """
     if out is not None:
@@ -177,6 +192,9 @@ def run(
     stated = _pairs("--units", units or [])
     given = {"--designs": designs, "--weighting": weighting, "--cut": cut, "--sheet": sheet, "--decimal": decimal}
     _check_source(runs or [], fmu, histories, {option for option, value in given.items() if value is not None})
+    if next_range and not next_runs:
+        raise Refusal("--next-range is for --next")
+    box = box_of("--next-range", ranges_of("--next-range", next_range or []), columns[0], trust_units)
     start = number("--cut", cut or (CUT if fmu else "0"))
     with refusals():
         from ..fit import LowFidelity, fit_runs, read_histories, read_runs
@@ -206,6 +224,8 @@ def run(
             held_out_runs=held_out,
             learning=learning_curve,
             refit=refit,
+            next_runs=next_runs,
+            next_box=((fmu.box(columns[0], trust_units) if fmu else {}) | box) or None,
             trust_units=trust_units,
             random_state=seed,
             progress=True,

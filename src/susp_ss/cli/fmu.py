@@ -1,5 +1,6 @@
 """Options of ``susp-ss fit`` for runs of an FMU in place of a table of runs."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -32,6 +33,10 @@ class FmuRuns(NamedTuple):
     duration: float
     kept: Path | None
 
+    def box(self, inputs: dict[str, str], trust_units: bool) -> dict[str, tuple[float, float]]:
+        """The ranges in SI units, in the order of the inputs."""
+        return box_of("--range", self.ranges, inputs, trust_units)
+
     def run(
         self,
         inputs: dict[str, str],
@@ -48,18 +53,10 @@ class FmuRuns(NamedTuple):
         from ..surrogates import sample
         from ..vehicles.files import read_vehicle
 
-        for name in self.ranges:
-            if name not in inputs:
-                raise Refusal(f"--range {name}: it is none of --inputs, {', '.join(inputs)}")
         for name in inputs:
             if name not in self.ranges:
                 raise Refusal(f"--range {name}=LO:HI is missing; each of --inputs needs its range with --fmu")
-        box = {
-            name: bounds(
-                f"--range {name}", self.ranges[name], quantity_of(name) or Quantity(name, "", name), trust_units
-            )
-            for name in inputs
-        }
+        box = self.box(inputs, trust_units)
         model = FMU(self.path, inputs, outputs, heights=self.heights, units=units)
         like = None if self.like is None else read_vehicle(self.like, trust_units)
         designs = sample(box, self.number, random_state=seed)
@@ -117,12 +114,31 @@ def fmu_from_options(
     return FmuRuns(
         fmu,
         30 if count is None else count,
-        _paired("--range", "NAME=LO:HI, such as ks=16N/mm:24N/mm", range or []),
+        ranges_of("--range", range or []),
         _wheels(heights),
         like,
         measured("--duration", duration or "60", TIME, True),
         kept,
     )
+
+
+def box_of(
+    option: str, ranges: dict[str, str], inputs: Iterable[str], trust_units: bool
+) -> dict[str, tuple[float, float]]:
+    """Ranges of inputs, ``LO:HI`` by name, in SI units."""
+    for name in ranges:
+        if name not in inputs:
+            raise Refusal(f"{option} {name}: it is none of --inputs, {', '.join(inputs)}")
+    return {
+        name: bounds(f"{option} {name}", ranges[name], quantity_of(name) or Quantity(name, "", name), trust_units)
+        for name in inputs
+        if name in ranges
+    }
+
+
+def ranges_of(option: str, given: list[str]) -> dict[str, str]:
+    """``LO:HI`` by name, from options that may be repeated and may each hold several."""
+    return _paired(option, "NAME=LO:HI, such as ks=16N/mm:24N/mm", given)
 
 
 def _wheels(given: list[str] | None) -> dict[str, str] | None:

@@ -3,6 +3,7 @@
 from .fitting import Fit, fit_runs
 from .histories import read_histories
 from .low_fidelity import LowFidelity
+from .next_runs import next_runs
 from .runs import Runs, read_runs
 from .surrogate_file import SuspensionSurrogate, load_surrogate
 
@@ -13,6 +14,7 @@ __all__ = [
     "SuspensionSurrogate",
     "fit_runs",
     "load_surrogate",
+    "next_runs",
     "read_histories",
     "read_runs",
 ]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -32,6 +33,7 @@ from ..surrogates import (
 from ..surrogates.folds import one_blas_thread, unfitted
 from ..surrogates.learning import learning_curve_of_runs
 from ..surrogates.low_fidelity import evaluated
+from ..surrogates.next_designs import MOST
 from ..surrogates.regressor import Surrogate
 from ..surrogates.validation import Comparison, Validation, compare, held_out
 from ..units import Stated, factor_of, implausible
@@ -149,6 +151,8 @@ def fit_runs(
     held_out_runs: int = 0,
     learning: bool = False,
     refit: bool = False,
+    next_runs: int = 0,
+    next_box: Mapping[str, Sequence[float]] | None = None,
     trust_units: bool = False,
     random_state: int = 0,
     progress: bool = False,
@@ -171,6 +175,10 @@ def fit_runs(
         Also fit every surrogate to fewer of the runs, as `learning_curve_of_runs` does.
     refit : bool
         Cross-validate with thetas, noise and shapes found anew for every fold, as `compare` does.
+    next_runs : int
+        How many runs the report and the files are to name that would tell most next, as `next_runs` does.
+    next_box : mapping of str to (low, high), optional
+        Bounds of these.
     trust_units : bool
         Take the runs though the cheap model is more than 30 times apart from them.
     random_state : int
@@ -203,6 +211,8 @@ def fit_runs(
     """
     columns = list(map(str, runs.designs))
     _check_enough(runs, held_out_runs)
+    whole_number("next_runs", next_runs, 0, MOST, f"from 0 to {MOST}")
+    runs.box(next_box)
     cheap = {str(output): low_fidelity.response(str(output), columns) for output in runs.responses}
     if not trust_units:
         _check_units(runs, low_fidelity, cheap)
@@ -245,6 +255,8 @@ def fit_runs(
         "held_out_runs": held_out_runs,
         "learning": learning,
         "refit": refit,
+        "next_runs": next_runs,
+        "next_box": next_box,
         "trust_units": trust_units,
         "random_state": random_state,
     }

@@ -8,7 +8,7 @@ SI units -> checks of the runs together. A table is taken whole or refused in on
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from os import PathLike
@@ -20,6 +20,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from ..quantities import briefly
+from ..surrogates.sampling import sides
 from ..units import factor_of
 from ..written import Sign, checked_sign, decimal_sign, number
 from .tables import Table, place, possible_units, quantity, read_table, row_word
@@ -71,6 +72,24 @@ class Runs:
     def place(self, run: int, name: str) -> str:
         """Say where the number of a run, 0 to n - 1, stands: ``runs.csv, line 7, column 'K_S'``."""
         return f"{self.path}, {self.row_word} {self.rows[run]}, column {self.columns[name]!r}"
+
+    def box(self, stated: Mapping[str, Sequence[float]] | None = None) -> dict[str, tuple[float, float]]:
+        """Lowest and highest value of each input, or the bounds that are stated in place of them, in SI units.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Bounds of what is no input, or bad ones.
+        """
+        ends = self.designs.agg(["min", "max"]).to_dict("list")
+        box = {str(name): (float(low), float(high)) for name, (low, high) in ends.items()}
+        if stated is not None:
+            for name, low, high in zip(stated, *sides(stated), strict=True):
+                if name not in box:
+                    raise ValueError(f"box has no input named {name!r}, available: {', '.join(box)}")
+                where = f"box[{name!r}]"
+                box[name] = bounded(name, low, where, low), bounded(name, high, where, high)
+        return box
 
 
 def read_runs(

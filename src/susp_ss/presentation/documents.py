@@ -8,11 +8,12 @@ import numpy as np
 import pandas as pd
 
 from ..fit.fitting import Fit
+from ..fit.next_runs import asked_for
 from ..study.feasibility import Study
 from ..study.published import CRITERIA, SURROGATES
 from ..vehicles.files import in_file, vehicle_table
 from ..vehicles.vehicle import Vehicle
-from .text.fit import judged
+from .text.fit import judged, more
 from .versions import versions
 
 TITLE = "Feasibility study of surrogate model for the application of vehicle suspension system, 2021"
@@ -74,6 +75,7 @@ def fit_document(fit: Fit) -> dict[str, Any]:
             "taken": found.chosen,
             "predicts": found.verdict.predicts,
             "verdict": judged(fit, output),
+            "more_runs": more(fit, output),
             "tied": list(found.comparison.tied),
             "baseline": found.comparison.baseline,
             "ranking": ranking.where(ranking.notna(), None).to_dict("records"),
@@ -82,4 +84,6 @@ def fit_document(fit: Fit) -> dict[str, Any]:
             "not_fitted": found.comparison.refused,
             "formula": None if found.formula is None else dict(zip(("surrogate", "text"), found.formula, strict=True)),
         }
-    return {"runs": len(fit.runs.rows), "inputs": fit.surrogate.inputs, "outputs": outputs}
+    document = {"runs": len(fit.runs.rows), "inputs": fit.surrogate.inputs, "outputs": outputs}
+    plan = asked_for(fit)
+    return document if plan is None else document | {"next_runs": plan.designs.to_dict("records")}

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 from ..extras import needing
 from ..fit.fitting import Fit
+from ..fit.next_runs import asked_for, to_fill_in
 from ..responses.covariance import linearised
 from ..study.feasibility import Study
 from ..study.published import FIGURES, SURROGATES
@@ -40,7 +41,7 @@ STILLS = {
 """Pictures of a study."""
 
 SURROGATE, REPORT = "surrogate.json", "report.md"
-ACCURACY, PREDICTIONS = "accuracy.csv", "predictions.csv"
+ACCURACY, PREDICTIONS, NEXT = "accuracy.csv", "predictions.csv", "next_runs.csv"
 
 PICTURES = {
     "parity": "predicted against expensive, runs left out",
@@ -58,8 +59,9 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
 
     A `Study` becomes ``tables.csv`` (one row an entry: ours, published, unit), ``tables.json`` (the same with scenario,
     held-out accuracy, cost and versions), ``responses.nc``, ``figures/`` and ``report.html``. A `Fit` becomes
-    ``surrogate.json``, ``accuracy.csv``, ``predictions.csv``, ``figures/``, ``report.md`` and ``report.html``. A `Scan`
-    becomes ``scan.csv`` and ``scan.png``. A page is one file that opens in a browser without a network; it needs the
+    ``surrogate.json``, ``accuracy.csv``, ``predictions.csv``, ``figures/``, ``report.md`` and ``report.html``, and if
+    it was asked for next runs ``next_runs.csv``, a table whose outputs wait to be filled in. A `Scan` becomes
+    ``scan.csv`` and ``scan.png``. A page is one file that opens in a browser without a network; it needs the
     extra ``pages``.
 
     Parameters
@@ -169,6 +171,8 @@ def _write_fit(fit: Fit, folder: Path, figures: bool) -> None:
     fit.surrogate.save(folder / SURROGATE)
     accuracy_table(fit).to_csv(folder / ACCURACY, index=False)
     predictions(fit).to_csv(folder / PREDICTIONS, index=False)
+    if (plan := asked_for(fit)) is not None:
+        (folder / NEXT).write_text(to_fill_in(fit, plan.designs), encoding="utf-8")
     drawn = _draw_fit(fit, folder) if figures else {}
     maps = {output: folder / file for (kind, output), file in drawn.items() if kind == "map"}
     with _unless_missed(PAGE):
@@ -214,14 +218,15 @@ def predictions(fit: Fit) -> pd.DataFrame:
 
 def _fit_figures(fit: Fit) -> Iterator[tuple[str, str, Figure]]:
     """Kind, output and figure; of the surrogates those that are foremost."""
-    surrogate = fit.surrogate
+    surrogate, plan = fit.surrogate, asked_for(fit)
     for output, found in fit.outputs.items():
         unit = fit.runs.units[output]
         shown = {name: found.comparison.validations[name] for name in found.foremost}
-        yield "parity", output, plots.parity(shown, unit)
-        yield "residuals", output, plots.residuals(shown, unit)
+        bars = {name: one.allowance for name, one in shown.items()}
+        yield "parity", output, plots.parity(shown, unit, margins=bars)
+        yield "residuals", output, plots.residuals(shown, unit, margins=bars)
         if len(surrogate.inputs) == 2:
-            yield "map", output, plots.fitted_map(surrogate, output, fit.runs.designs)
+            yield "map", output, plots.fitted_map(surrogate, output, fit.runs.designs, following=plan and plan.designs)
         if found.learning is not None:
             yield "learning", output, plots.learning_curves(found.learning, unit, found.foremost)
 
@@ -254,6 +259,6 @@ def _write_scan(scan: Scan, folder: Path, figures: bool) -> None:
 
 KINDS: dict[type, Kind] = {
     Study: Kind((*TABLES, PAGE, *STILLS.values()), _write_study),
-    Fit: Kind((SURROGATE, REPORT, PAGE, ACCURACY, PREDICTIONS), _write_fit),
+    Fit: Kind((SURROGATE, REPORT, PAGE, ACCURACY, PREDICTIONS, NEXT), _write_fit),
     Scan: Kind((SCAN, SCAN_PICTURE), _write_scan),
 }

@@ -251,15 +251,30 @@ class Prediction(Process):
 
     def std(self, Z: Array, P: Array) -> Array:
         """The standard deviation (N,) of a run there, its own noise and the trend's uncertainty included."""
-        # Averages a' y are as P b; the process is left, and corrected by its covariance with the contrasts.
-        variogram, a = self._variogram(Z), P @ self.averages
-        left = -variogram - a @ self.C
-        corrected = lapack.dtrtrs(self.factor, self._contrast(left.T), lower=1)[0]
+        variogram, a, left, corrected = self._left(Z, P)
         own = self.noise + np.sum(a * (variogram - left), axis=1)
         return np.sqrt(self.variance * np.maximum(own - np.sum(corrected**2, axis=0), 0.0))
 
+    def covariance(self, Z: Array, P: Array) -> Array:
+        """The covariance (N, N) of the response itself, without the noise of a run."""
+        variogram, a, left, corrected = self._left(Z, P)
+        own = a @ variogram.T - left @ a.T - self._between(Z, Z)
+        return self.variance * (own - corrected.T @ corrected)
+
+    def _left(self, Z: Array, P: Array) -> tuple[Array, Array, Array, Array]:
+        """What is left of the process at designs when averages of the runs are taken off, by these averages.
+
+        Averages a' y are as P b; the process is left, and corrected by its covariance with the contrasts.
+        """
+        variogram, a = self._variogram(Z), P @ self.averages
+        left = -variogram - a @ self.C
+        return variogram, a, left, lapack.dtrtrs(self.factor, self._contrast(left.T), lower=1)[0]
+
     def _variogram(self, Z: Array) -> Array:
-        columns = zip(self.theta, Z.T, self.Z.T, strict=True)
+        return self._between(Z, self.Z)
+
+    def _between(self, Z: Array, others: Array) -> Array:
+        columns = zip(self.theta, Z.T, others.T, strict=True)
         t = sum(theta * np.subtract.outer(at, runs) ** 2 for theta, at, runs in columns)
         return self.kernel.variogram(t) / self.across
 

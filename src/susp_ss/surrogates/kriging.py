@@ -97,6 +97,22 @@ class _GaussianProcess(Approximation):
     def _std(self, designs: Array) -> Array:
         return self.calibration_ * self._batched(self.process_.std, designs)
 
+    def covariance(self, X: ArrayLike) -> Array:
+        """Return the covariance of the responses at designs that the runs leave, without a run's own noise.
+
+        Parameters
+        ----------
+        X : array_like, (n, k), or DataFrame
+
+        Returns
+        -------
+        ndarray, (n, n)
+            In the unit of the responses squared; what a further run takes of it stands in
+            `susp_ss.surrogates.next_designs`.
+        """
+        designs = self._columns(X)
+        return self.process_.covariance(self.box_.transform(designs), self._trend_at(designs))
+
     def _at_with_size(self, designs: Array) -> tuple[Array, Array]:
         # Where a trend meets all runs, next to nothing: errors are then alike.
         return self._at(designs), np.maximum(self._std(designs), np.finfo(float).tiny)

@@ -155,10 +155,11 @@ class RadialBasis(Approximation):
         """
         designs, responses = self.runs_
         Z, degree = self.box_.transform(designs), self._degree()
-        inverse = np.linalg.inv(_conditions(Z, self.kernel, self.shape_, degree))
+        P = monomials(Z, degree)
+        inverse = np.linalg.inv(_conditions(cdist(Z, Z), P, self.kernel, self.shape_))
         predicted = responses.copy()
         distinct = [np.unique(self._of_run[S]) for S in folds]
-        for S, errors, _ in left_out(inverse[: len(Z), : len(Z)], responses, monomials(Z, degree), distinct):
+        for S, errors, _ in left_out(inverse[: len(Z), : len(Z)], responses, P, distinct):
             predicted[S] -= errors
         return predicted[self._of_run], None
 
@@ -201,7 +202,11 @@ def leave_one_out(Z: Array, y: Array, kernel: str, shape: float, degree: int) ->
     ndarray, (n,)
         Response minus interpolant; inf if the system is singular to working precision.
     """
-    n, A = len(Z), _conditions(Z, kernel, shape, degree)
+    return _left_out_errors(cdist(Z, Z), monomials(Z, degree), y, kernel, shape)
+
+
+def _left_out_errors(distances: Array, P: Array, y: Array, kernel: str, shape: float) -> Array:
+    n, A = len(distances), _conditions(distances, P, kernel, shape)
     if _reciprocal_condition(A) < np.finfo(float).eps:
         return np.full(n, np.inf)
     inverse = np.linalg.inv(A)
@@ -216,15 +221,15 @@ def _determined(Z: Array, kernel: str, shape: float, degree: int) -> bool:
     The tail is judged by the singular values of its monomials on the scaled columns. The bumps may be as flat as 16
     digits bear: beyond that the weights are noise, whether or not an elimination meets a pivot of exactly zero.
     """
-    if not independent(monomials(Z, degree)):
-        return False
-    return bool(_reciprocal_condition(_conditions(Z, kernel, shape, degree)) > np.finfo(float).eps)
-
-
-def _conditions(Z: Array, kernel: str, shape: float, degree: int) -> Array:
-    """The matrix of the interpolation conditions and of the tail's."""
     P = monomials(Z, degree)
-    return np.block([[KERNELS[kernel](shape * cdist(Z, Z)), P], [P.T, np.zeros((P.shape[1], P.shape[1]))]])
+    if not independent(P):
+        return False
+    return bool(_reciprocal_condition(_conditions(cdist(Z, Z), P, kernel, shape)) > np.finfo(float).eps)
+
+
+def _conditions(distances: Array, P: Array, kernel: str, shape: float) -> Array:
+    """The matrix of the interpolation conditions and of the tail's."""
+    return np.block([[KERNELS[kernel](shape * distances), P], [P.T, np.zeros((P.shape[1], P.shape[1]))]])
 
 
 def _reciprocal_condition(A: Array) -> float:
@@ -235,8 +240,8 @@ def _reciprocal_condition(A: Array) -> float:
 
 
 def _best_shape(Z: Array, y: Array, kernel: str, degree: int) -> float:
-    distances = cdist(Z, Z)
-    np.fill_diagonal(distances, np.inf)
-    shapes = SHAPES / distances.min(axis=1).mean()
-    sizes = [np.linalg.norm(leave_one_out(Z, y, kernel, shape, degree)) for shape in shapes]
+    distances, P = cdist(Z, Z), monomials(Z, degree)
+    others = distances + np.diag(np.full(len(Z), np.inf))
+    shapes = SHAPES / others.min(axis=1).mean()
+    sizes = [np.linalg.norm(_left_out_errors(distances, P, y, kernel, shape)) for shape in shapes]
     return float(shapes[np.argmin(sizes)])

@@ -49,7 +49,7 @@ def sample(
     >>> X.shape, sorted(((X["ks"] - 12e3) // 1e3).astype(int)) == list(range(12))
     ((12, 2), True)
     """
-    lows, highs = _sides(box)
+    lows, highs = sides(box)
     runs = whole_number("runs", runs, 1)
     if method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, got {briefly(method)}")
@@ -61,7 +61,14 @@ def sample(
     return pd.DataFrame(qmc.scale(unit, lows, highs), columns=list(box))
 
 
-def _sides(box: Any) -> tuple[list[float], list[float]]:
+def sides(box: Any) -> tuple[list[float], list[float]]:
+    """Lowest and highest value of each variable of a box.
+
+    Raises
+    ------
+    TypeError, ValueError
+        It is no mapping to rising pairs of finite numbers.
+    """
     if not isinstance(box, Mapping) or not box:
         raise TypeError(f"box must map the name of each variable to (low, high), got {briefly(box)}")
     lows, highs = [], []

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import math
 import time
 import warnings
 from collections.abc import Mapping, Sequence
@@ -33,7 +34,7 @@ from .folds import (
     unfitted,
     uses_low_fidelity,
 )
-from .intervals import checked_share
+from .intervals import EDGE, checked_share
 from .kriging import Kriging
 from .polynomial import Polynomial
 from .radial_basis import RadialBasis
@@ -100,6 +101,23 @@ class Validation:
     def margin(self) -> Array | None:
         """Half the width (n,) of the central interval in which each response is predicted to lie, normal by ``std``."""
         return None if self.std is None else stats.norm.ppf(0.5 + 0.5 * self.confidence) * self.std
+
+    @property
+    def allowance(self) -> Array:
+        """Half the width (n,) of an interval that is to hold each response, by how far the other runs were missed.
+
+        In shares of ``std`` where there is one; the other runs' rank as in the jackknife+, and with too few for it
+        Student's t of their root mean square, as of errors that are normal.
+        """
+        size = np.ones(len(self.y)) if self.std is None else np.maximum(self.std, np.finfo(float).tiny)
+        missed, others = np.abs(self.residuals) / size, len(self.y) - 1
+        rank = math.ceil(self.confidence * (others + 1) - EDGE)
+        if rank > others:
+            squares = (np.sum(missed**2) - missed**2) / others
+            return size * stats.t.ppf(0.5 + 0.5 * self.confidence, others) * np.sqrt(squares)
+        # Without a run of low rank, the next in order takes the place of the one asked for.
+        ordered = np.sort(missed)
+        return size * np.where(missed <= ordered[rank - 1], ordered[rank], ordered[rank - 1])
 
     @property
     def coverage(self) -> float | None:

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ...fit.fitting import Fit
+from ...fit.next_runs import asked_for
 from ...quantities import titled
 from ..plots.study import SURFACES
 from ..plots.validation import GREY, OTHERS
@@ -20,9 +21,12 @@ from ..text.fit import (
     JUDGED,
     choices,
     failures,
+    following,
+    following_table,
     judged,
     meaning,
     median_errors,
+    more,
     ranking_table,
     stated,
     tie,
@@ -82,9 +86,23 @@ def fit_page(fit: Fit, maps: Mapping[str, Path]) -> str:
         unknown=unknown(fit),
         judged=f"{JUDGED} {choices(fit)}",
         outputs=sections,
+        following=_following(fit),
         predict=f"susp-ss predict surrogate.json --at {shlex.quote(middle)}",
         code=fit_code(fit),
     )
+
+
+def _following(fit: Fit) -> dict[str, Any] | None:
+    """The next runs, if they were asked for."""
+    plan = asked_for(fit)
+    if plan is None:
+        return None
+    table = following_table(fit, plan)
+    return {
+        "said": " ".join(following(fit, plan)),
+        "columns": list(table.columns),
+        "rows": list(zip(table.index, table.to_numpy().tolist(), strict=True)),
+    }
 
 
 def _quantity(fit: Fit, name: str) -> tuple[str, str, float, float, str]:
@@ -108,6 +126,7 @@ def _section(fit: Fit, output: str) -> dict[str, Any]:
         "first": judged(fit, output),
         "predicts": found.verdict.predicts,
         "said": [*tie(found), worth(fit, found), *stated(found)],
+        "more": more(fit, output),
         "columns": list(ranking.columns),
         "rows": list(zip(ranking.index, ranking.to_numpy().tolist(), strict=True)),
         "boxes": _boxes(fit, output),
@@ -179,8 +198,7 @@ def _parity(fit: Fit, output: str) -> dict[str, Figure]:
                 "text": texts,
                 "customdata": np.stack([one.predicted, one.residuals], axis=-1).tolist(),
             }
-            if one.margin is not None:
-                rest["error_y"] = {"array": one.margin.tolist(), "thickness": 1, "width": 3}
+            rest["error_y"] = {"array": one.allowance.tolist(), "thickness": 1, "width": 3}
             height = {"prediction": one.predicted, "error": one.residuals}[view]
             data.append(scatter(name, one.y, height, hover, mode="markers", marker=marker(*style(i)), **rest))
         titles = (plain(titled(name, unit)) for name in ("expensive response", side))

@@ -18,7 +18,11 @@ NODES = 60
 
 
 def fitted_map(
-    surrogate: SuspensionSurrogate, output: str, designs: pd.DataFrame | None = None, ax: Any = None
+    surrogate: SuspensionSurrogate,
+    output: str,
+    designs: pd.DataFrame | None = None,
+    ax: Any = None,
+    following: pd.DataFrame | None = None,
 ) -> Figure:
     """Contours of a surrogate of two inputs over the box of its runs.
 
@@ -31,6 +35,8 @@ def fitted_map(
     designs : DataFrame, optional
         The runs, with the inputs as columns, drawn as points.
     ax : Axes, optional
+    following : DataFrame, optional
+        The runs to make next, as `susp_ss.next_runs` lists them, drawn as squares with their numbers.
 
     Returns
     -------
@@ -70,6 +76,9 @@ def fitted_map(
         axes.contour(x, y, predicted, levels=image.levels, colors="white", linewidths=0.3)
         if designs is not None:
             axes.plot(designs[x_name], designs[y_name], "o", color="black", markersize=3.0, mec="white", mew=0.5)
+        for i, design in enumerate([] if following is None else following[[x_name, y_name]].to_numpy(), 1):
+            axes.plot(*design, "s", color="white", markersize=8.0, mec="black", mew=0.7, clip_on=False, zorder=4)
+            axes.annotate(str(i), design, ha="center", va="center_baseline", fontsize=6.0, zorder=5)
         axes.set_xlabel(titled(x_name, surrogate.inputs[x_name]))
         axes.set_ylabel(titled(y_name, surrogate.inputs[y_name]))
         figure.colorbar(image, ax=axes).set_label(titled(output, surrogate.outputs[output]))

@@ -8,9 +8,11 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from ...quantities import titled
 from ...surrogates.validation import Validation
@@ -25,7 +27,12 @@ OTHERS, GREY = "the others", "#a6a6a6"
 GRID: Any = {"linewidth": 0.4, "color": "0.85"}
 
 
-def parity(validations: Validation | Mapping[str, Validation], unit: str = "", ax: Axes | None = None) -> Figure:
+def parity(
+    validations: Validation | Mapping[str, Validation],
+    unit: str = "",
+    ax: Axes | None = None,
+    margins: Mapping[str, NDArray[np.float64]] | None = None,
+) -> Figure:
     """Predicted against expensive response, with the diagonal on which they agree.
 
     Parameters
@@ -36,6 +43,8 @@ def parity(validations: Validation | Mapping[str, Validation], unit: str = "", a
         Of the response.
     ax : matplotlib.axes.Axes, optional
         Where to draw; a new figure if None.
+    margins : mapping of str to ndarray (n,), optional
+        Half the lengths of other bars, such as each ``Validation.allowance``, by legend entry.
 
     Returns
     -------
@@ -52,12 +61,13 @@ def parity(validations: Validation | Mapping[str, Validation], unit: str = "", a
     'expensive response (m/s²)'
     """
     several = _several(validations)
+    bars = {name: one.margin for name, one in several.items()} | dict(margins or {})
 
     def draw(axes: Axes) -> None:
         level = next(iter(several.values())).y.mean()
         axes.axline((level, level), slope=1.0, color="0.5", linewidth=0.8, zorder=0)
         for (name, one), style in zip(several.items(), _styles(), strict=False):
-            axes.errorbar(one.y, one.predicted, yerr=one.margin, label=name, **_points(style))
+            axes.errorbar(one.y, one.predicted, yerr=bars[name], label=name, **_points(style))
         sides = [*axes.get_xlim(), *axes.get_ylim()]
         axes.set(xlim=(min(sides), max(sides)), ylim=(min(sides), max(sides)), aspect="equal")
         axes.set_xlabel(titled("expensive response", unit))
@@ -66,7 +76,12 @@ def parity(validations: Validation | Mapping[str, Validation], unit: str = "", a
     return _drawn(draw, ax, 3.2, len(several))
 
 
-def residuals(validations: Validation | Mapping[str, Validation], unit: str = "", ax: Axes | None = None) -> Figure:
+def residuals(
+    validations: Validation | Mapping[str, Validation],
+    unit: str = "",
+    ax: Axes | None = None,
+    margins: Mapping[str, NDArray[np.float64]] | None = None,
+) -> Figure:
     """Residual, prediction minus expensive response, against the expensive response.
 
     Parameters
@@ -78,6 +93,8 @@ def residuals(validations: Validation | Mapping[str, Validation], unit: str = ""
         Of the response.
     ax : matplotlib.axes.Axes, optional
         Where to draw; a new figure if None.
+    margins : mapping of str to ndarray (n,), optional
+        As of `parity`.
 
     Returns
     -------
@@ -94,11 +111,12 @@ def residuals(validations: Validation | Mapping[str, Validation], unit: str = ""
     'residual (N)'
     """
     several = _several(validations)
+    bars = {name: one.margin for name, one in several.items()} | dict(margins or {})
 
     def draw(axes: Axes) -> None:
         axes.axhline(0.0, color="0.5", linewidth=0.8, zorder=0)
         for (name, one), style in zip(several.items(), _styles(), strict=False):
-            axes.errorbar(one.y, one.residuals, yerr=one.margin, label=name, **_points(style))
+            axes.errorbar(one.y, one.residuals, yerr=bars[name], label=name, **_points(style))
         axes.set_xlabel(titled("expensive response", unit))
         axes.set_ylabel(titled("residual", unit))
 

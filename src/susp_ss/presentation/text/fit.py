@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import textwrap
 
+import numpy as np
 import pandas as pd
 
 from ...fit.fitting import Fit, OutputFit
+from ...fit.next_runs import NextRuns, asked_for, in_file_units, outlook
 from ...quantities import METRICS, metric_and_place, titled, typeset
 from ...surrogates import ParameterBased
 
@@ -21,10 +23,17 @@ JUDGED = (
 # Share of the variance that a surrogate must explain not to be called poor.
 POOR = 0.5
 
+# Of what the responses span, an error that is seldom worth a run: roads are known to per cents.
+ENOUGH = 1e-3
+
+TINY = float(np.finfo(float).tiny)
+
 
 def fit_text(fit: Fit) -> str:
     """The ranking, the choice, what the cheap model was worth, and the formula of each output."""
-    return "\n\n".join([_head(fit), *(_output(fit, output) for output in fit.outputs)]) + "\n"
+    plan = asked_for(fit)
+    following = [] if plan is None else [_following(fit, plan)]
+    return "\n\n".join([_head(fit), *(_output(fit, output) for output in fit.outputs), *following]) + "\n"
 
 
 def _head(fit: Fit) -> str:
@@ -71,7 +80,7 @@ def _output(fit: Fit, output: str) -> str:
         ranking_table(found, unit).to_string(),
         f"Taken: {found.chosen}.",
     ]
-    lines += [_paragraph(line) for line in [*tie(found), worth(fit, found), *stated(found)]]
+    lines += [_paragraph(line) for line in [*tie(found), worth(fit, found), *stated(found), *more(fit, output)]]
     if found.learning is not None:
         medians = median_errors(found).map("{:.3g}".format, na_action="ignore").rename_axis(columns=None, index=None)
         lines.append(f"{titled('RMSE', unit)} after fewer runs, median of draws\n{medians.to_string(na_rep='-')}")
@@ -175,6 +184,49 @@ def stated(found: OutputFit) -> list[str]:
     verdict = "; its standard deviations are too small" if small else ""
     held = f"Of the runs left out {share:.0%} lie within the 95 % interval that {found.chosen} states{verdict}."
     return [held, "The bounds that susp-ss predict prints allow for that."] if small else [held]
+
+
+def more(fit: Fit, output: str) -> list[str]:
+    """Whether more runs would lower the error."""
+    found, unit, y = fit.outputs[output], fit.runs.units[output], fit.runs.responses[output]
+    ahead, share = outlook(fit, output), found.comparison.table.RMSE[found.chosen] / max(np.ptp(y), TINY)
+    if ahead is None:
+        return []
+    if share < ENOUGH:
+        return [f"There are runs enough for most: the error is {100.0 * share:.2g} % of what the responses span."]
+    if not ahead.helps:
+        noise = f"{ahead.noise:.3g} {typeset(unit)}".rstrip()
+        return [
+            f"MORE RUNS WILL HARDLY HELP: {ahead.by} finds that a run scatters by {noise} of its own; twice as many "
+            f"would lower the error at new runs by {100.0 * (1.0 - ahead.share):.0f} %."
+        ]
+    which = "the next ones are below" if fit.asked["next_runs"] else "susp-ss fit --next says which"
+    return [f"More runs would lower the error; {which}."]
+
+
+def following(fit: Fit, plan: NextRuns) -> list[str]:
+    """What chose the next runs."""
+    by = {who: [output for output, one in plan.by.items() if one == who] for who in plan.by.values()}
+    names = [f"{who} ({', '.join(outputs)})" for who, outputs in by.items()]
+    filled, count = plan.filling, len(plan.designs)
+    lines = ["The next runs, the most telling first."]
+    if filled:
+        lines.append(f"{'All' if filled == count else f'The first {filled}'} fill the box, far from all others.")
+    if filled < count:
+        each = "Each" if not filled else "Each of the others"
+        lines.append(f"{each} lowers the variance of {' and '.join(names)}, mean over the box, the most.")
+    return lines
+
+
+def following_table(fit: Fit, plan: NextRuns) -> pd.DataFrame:
+    """The next runs as text, in the units of the runs' file."""
+    shown = in_file_units(fit, plan.designs)
+    titles = [titled(str(name), fit.runs.stated[str(name)]) for name in plan.designs]
+    return shown.map("{:.6g}".format).set_axis(titles, axis=1).set_axis(range(1, len(shown) + 1), axis=0)
+
+
+def _following(fit: Fit, plan: NextRuns) -> str:
+    return "\n".join([_paragraph(" ".join(following(fit, plan))), following_table(fit, plan).to_string()])
 
 
 def failures(found: OutputFit) -> list[str]:
