@@ -190,11 +190,11 @@ def run(
         check_result(out, Fit, force)
     columns = _named("--inputs", inputs), _named("--outputs", outputs)
     stated = _pairs("--units", units or [])
+    given = {"--designs": designs, "--weighting": weighting, "--cut": cut, "--sheet": sheet, "--decimal": decimal}
+    _check_source(runs or [], fmu, histories, {option for option, value in given.items() if value is not None})
     if next_range and not next_runs:
         raise Refusal("--next-range is for --next")
     box = box_of("--next-range", ranges_of("--next-range", next_range or []), columns[0], trust_units)
-    given = {"--designs": designs, "--weighting": weighting, "--cut": cut, "--sheet": sheet, "--decimal": decimal}
-    _check_source(runs or [], fmu, histories, {option for option, value in given.items() if value is not None})
     start = number("--cut", cut or (CUT if fmu else "0"))
     with refusals():
         from ..fit import LowFidelity, fit_runs, read_histories, read_runs
