@@ -4,15 +4,21 @@ The full car's exact metrics stand for the expensive model: class B at 20 m/s on
 All get the same Latin hypercubes over springs and dampers and are tested at 512 other designs. SMT's ``KRG`` and its
 co-Kriging ``MFK``, which sees 60 runs of the quarter car besides, keep their defaults; scikit-learn's
 ``GaussianProcessRegressor`` is given scaled columns, a length for each, and 9 restarts. Then what ours take on the
-study's 400 nodes, and Kriging on more. Writes a table and a plot under ``benchmarks/results``. Run with ``make bench``.
+study's 400 nodes, Kriging on more, and ``susp-ss fit`` of 60 runs from start to end. Writes a table and a plot under
+``benchmarks/results``. Run with ``make bench``.
 """
 
 import os
+import subprocess
+import sys
+import tempfile
 import time
 import warnings
+from pathlib import Path
 from statistics import median
 
 import numpy as np
+import pandas as pd
 from report import digits, processor, rows, write
 from rich.console import Console
 from ride_metrics import RESULTS
@@ -50,6 +56,9 @@ LEAST_FASTER, MOST_ERROR = {20: 20.0, 60: 20.0, 200: 8.0}, 1.0
 
 # Asserted: seconds of a Kriging fit to so many runs.
 MANY, LONGEST_KRIGING = 510, 5.0
+
+# Asserted: seconds of ``susp-ss fit`` of 60 runs with three outputs, without and with the learning curve.
+COMMAND, LONGEST_COMMAND = 60, {(): 5.0, ("--learning-curve",): 20.0}
 
 
 class PlainKriging(RegressorMixin, BaseEstimator):
@@ -136,7 +145,7 @@ def curves(say):
     return tables
 
 
-def markdown(tables, fits, smts, many, load, took):
+def markdown(tables, fits, smts, many, command, load, took):
     text = [
         "# Surrogates of a full car at equal numbers of its runs",
         "",
@@ -156,7 +165,12 @@ def markdown(tables, fits, smts, many, load, took):
     text += [*rows(["", "a fit, ms", "a million predictions, s"], body), "", "## Kriging beside SMT's", ""]
     text += [f"Medians over criteria and plans. A fit of Kriging to {MANY} runs takes {many:.2g} s.", ""]
     body = [[name, f"{runs}", f"{faster:.2g}", f"{error:.2g}"] for name, runs, faster, error in smts]
-    return "\n".join([*text, *rows(["", "runs", "SMT's time over ours", "our error over SMT's"], body), ""])
+    text += [*rows(["", "runs", "SMT's time over ours", "our error over SMT's"], body), "", "## From start to end", ""]
+    text += [f"The command with {COMMAND} runs of {len(CRITERIA)} outputs, its start and its report included.", ""]
+    body = [
+        [" ".join(["`susp-ss fit`", *(f"`{option}`" for option in more)]), digits(s)] for more, s in command.items()
+    ]
+    return "\n".join([*text, *rows(["", "s"], body), ""])
 
 
 def gains(tables):
@@ -195,6 +209,22 @@ def on_many_runs():
     return max(taken)
 
 
+def on_the_command_line():
+    """Seconds of ``susp-ss fit`` from start to end, by its further options."""
+    X = ss.sample(BOX, COMMAND)
+    measured = {name: ss.Response(ss.FullCar(), ROAD, name, at="fr")(X.to_numpy()) for name in CRITERIA}
+    with tempfile.TemporaryDirectory() as folder:
+        runs = Path(folder, "runs.csv")
+        pd.concat([X, pd.DataFrame(measured)], axis=1).to_csv(runs, index=False)
+        line = [sys.executable, "-m", "susp_ss", "fit", str(runs), "--inputs", "ks,cs", "--outputs", ",".join(CRITERIA)]
+        line += ["--road-class", "B", "--tracks", "isotropic", "--at", "fr"]
+
+        def fit(more):
+            return lambda: subprocess.run([*line, *more], check=True, capture_output=True)
+
+        return {more: seconds(fit(more), 3) for more in LONGEST_COMMAND}
+
+
 def main():
     # A length at its bound is the peer's matter.
     warnings.filterwarnings("ignore", category=ConvergenceWarning)
@@ -202,8 +232,8 @@ def main():
     warnings.filterwarnings("ignore", "Kriging of", UserWarning)
     load, start = os.getloadavg()[0], time.perf_counter()
     fits, many, tables = on_all_nodes(), on_many_runs(), curves(Console(stderr=True, highlight=False).print)
-    smts = beside_smt(tables)
-    text = markdown(tables, fits, smts, many, load, time.perf_counter() - start)
+    smts, command = beside_smt(tables), on_the_command_line()
+    text = markdown(tables, fits, smts, many, command, load, time.perf_counter() - start)
     write(RESULTS, "surrogates", text, learning_curves(tables["bacc"], "m/s²"))
     print(text)
     gain = gains(tables)
@@ -220,6 +250,9 @@ def main():
         raise SystemExit(f"the error of Kriging is {median(error for *_, error in smts):.3g} times SMT's")
     if many > LONGEST_KRIGING:
         raise SystemExit(f"Kriging takes {many:.2g} s to fit {MANY} runs")
+    for more, longest in LONGEST_COMMAND.items():
+        if command[more] > longest:
+            raise SystemExit(f"susp-ss fit {' '.join(more)} takes {command[more]:.2g} s for {COMMAND} runs")
     for runs, least in LEAST_GAIN.items():
         if gain[runs] < least:
             raise SystemExit(f"the better peer has {gain[runs]:.2g} times our error at {runs} runs, not {least:g}")

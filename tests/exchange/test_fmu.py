@@ -8,6 +8,7 @@ import sys
 import zipfile
 from pathlib import Path
 
+import control
 import fmpy
 import numpy as np
 import pytest
@@ -135,6 +136,21 @@ def test_a_linear_model_has_the_metrics_of_simulate(kind, fmu):
             assert value == pytest.approx(over_time(name, t, said[name].values, SHORT["cut"]), rel=2e-3)
     assert (runs.row_word, runs.rows.tolist()) == ("run", [1, 2])
     assert runs.place(1, "ks") == "car.fmu, run 2, column 'k'"
+
+
+def test_accelerations_pass_a_weighting(fmu):
+    model, X = ss.FMU(fmu(), {"ks": "k"}, OUTPUTS), {"ks": [16e3, 24e3]}
+    runs = model.run(X, ROAD, **SHORT, weighting="Wk", kept="runs.json")
+    t, z = road_of(**SHORT)
+    said = ss.simulate(ss.QuarterCar(ks=16e3), z, t)
+    _, felt = control.forced_response(ss.weighting("Wk"), t, said.bacc.values)
+    for name, values in (("bacc", felt), ("sws", said.sws.values)):
+        assert runs.responses[name][0] == pytest.approx(over_time(name, t, values, SHORT["cut"]), rel=2e-3)
+    assert runs.noted.endswith("about the mean from 1 s on, accelerations through Wk")
+    with pytest.raises(ValueError, match=r"runs\.json: holds runs of another weighting, "):
+        model.run(X, ROAD, **SHORT, kept="runs.json")
+    with pytest.raises(ValueError, match="no weighting named 'Wx', available: Wk"):
+        model.run(X, ROAD, **SHORT, weighting="Wx")
 
 
 def test_a_nonlinear_model_has_those_of_scipy(fmu):
@@ -292,10 +308,12 @@ def test_fit_of_an_fmu_on_the_command_line(fmu, run, missing):
     fmu()
     missing("smt")  # without Kriging, which takes its time
     line = ["fit", "--fmu", "car.fmu", "--runs", 4, "--inputs", "k=ks", "--outputs", "acc=bacc"]
-    line += ["--range", "ks=16N/mm:24N/mm", "--road-class", "C", "--duration", 3, "--cut", 1]
+    line += ["--range", "ks=16N/mm:24N/mm", "--road-class", "C", "--duration", 3, "--cut", 1, "--weighting", "Wk"]
     code, out, err = run(*line, "--kept", "runs.json", "--json")
     assert code == 0, err
-    assert "car.fmu: 4 of 4 runs over 3 s, root mean squares about the mean from 1 s on" in err
+    assert (
+        "car.fmu: 4 of 4 runs over 3 s, root mean squares about the mean from 1 s on, accelerations through Wk" in err
+    )
     document = json.loads(out)
     assert (document["runs"], document["inputs"]) == (4, {"ks": "N/m"})
     assert len(json.loads(Path("runs.json").read_text())["runs"]) == 4

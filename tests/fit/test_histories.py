@@ -58,7 +58,7 @@ def test_uneven_samples_weigh_by_the_time_that_they_stand_for(folder):
     expected = np.sqrt((5.0 * 0.009**2 + 5.0 * 0.02**2) / 20.0)
     np.testing.assert_allclose(read().responses.sws, expected, rtol=2e-3)
     with pytest.raises(
-        ValueError, match=r"a\.csv, samples 1 and 2: a weighting needs even samples, got a step of 0.001"
+        ValueError, match=r"a\.csv: samples 1 and 2: a weighting needs even samples, got a step of 0.001"
     ):
         read(weighting="Wk")
 

@@ -96,11 +96,14 @@ def test_inputs_are_untouched():
     np.testing.assert_array_equal(ks, before)
 
 
-def test_response_is_the_metric():
+@pytest.mark.parametrize(
+    ("criterion", "at"), [("dtl", "rr"), ("bacc", "cg"), ("damper_power", "fl"), ("roll_acc", None)]
+)
+def test_response_is_the_metric(criterion, at):
     X = np.array([[15e3, 1200.0], [20e3, 1500.0]])
-    response = ss.Response(ss.FullCar(), ROAD, "dtl", at="rr")
-    metrics = ss.ride_metrics(ss.FullCar(ks=X[:, 0], cs=X[:, 1]), ROAD)
-    np.testing.assert_array_equal(response(X), metrics.dtl.sel(corner="rr"))
+    response = ss.Response(ss.FullCar(), ROAD, criterion, at=at)
+    metric = ss.ride_metrics(ss.FullCar(ks=X[:, 0], cs=X[:, 1]), ROAD)[criterion]
+    np.testing.assert_array_equal(response(X), metric.sel({metric.dims[-1]: at}) if at else metric)
 
 
 def test_response_with_parameter():

@@ -166,7 +166,36 @@ def test_left_out_in_closed_form_is_left_out_and_fitted(surrogate, folds, respon
         Z, P = process.Z, process.P
         again = Prediction(Z[fitted], y[fitted], P[fitted], surrogate.kernel, process.theta, process.noise)
         np.testing.assert_allclose(mean[S], again.mean(Z[S], P[S]), rtol=1e-5, atol=beside)
-        np.testing.assert_allclose(std[S], again.std(Z[S], P[S]), rtol=1e-2, atol=beside)
+        stated = surrogate.calibration_ * again.std(Z[S], P[S])
+        np.testing.assert_allclose(std[S], stated, rtol=1e-2, atol=beside)
+
+
+@pytest.mark.parametrize("surrogate", SURROGATES.values(), ids=SURROGATES)
+@pytest.mark.parametrize("response", [lambda X: expensive(X) + 0.02 * np.cos(X[:, 0] / 2e3), noisy])
+def test_deviations_are_as_large_as_the_errors_of_runs_left_out(surrogate, response):
+    X = designs(14, 8)
+    y = response(X)
+    process = surrogate.fit(X, y).process_
+    Z, P, each = process.Z, process.P, []
+    for i in range(len(X)):
+        rest = np.arange(len(X)) != i
+        others = Prediction(Z[rest], y[rest], P[rest], surrogate.kernel, process.theta, process.noise)
+        # Its own variance is that of the others alone.
+        std = others.std(Z[[i]], P[[i]])[0] * np.sqrt(process.variance / others.variance)
+        each.append((y[i] - others.mean(Z[[i]], P[[i]])[0]) / std)
+    found = np.sqrt(np.mean(np.square(each)))
+    assert process.calibration() == pytest.approx(found, rel=1e-2)
+    assert surrogate.calibration_ == max(1.0, process.calibration())
+    np.testing.assert_array_equal(
+        surrogate.predict(X[:3], return_std=True)[1], surrogate.calibration_ * process.std(Z[:3], P[:3])
+    )
+
+
+def test_what_no_run_tells_is_not_calibrated():
+    """A run without which no trend is left has no error; nor has a response that the trend meets."""
+    X = np.column_stack([[0.0, 0.0, 0.0, 0.0, 0.0, 1.0], np.arange(6.0) ** 2])
+    assert np.isfinite(ss.Kriging("linear").fit(X, np.arange(6.0) ** 3).process_.calibration())
+    assert ss.Kriging("linear").fit(designs(8, 1), designs(8, 1) @ [1e-4, 1e-3]).calibration_ == 1.0
 
 
 def test_a_fold_that_the_trend_needs_is_refused():
@@ -271,7 +300,8 @@ def test_a_far_run_is_as_uncertain_as_without_runs():
     R = np.exp(-process.theta * cdist(process.Z, process.Z) ** 2) + process.noise * process.across * np.eye(20)
     of_mean = 1.0 / np.linalg.inv(R).sum()
     s2 = process.variance / process.across
-    assert std[0] == pytest.approx(np.sqrt(s2 * (1.0 + of_mean) + fitted.noise_**2), rel=1e-6)
+    stated = fitted.calibration_ * np.sqrt(s2 * (1.0 + of_mean) + fitted.noise_**2)
+    assert std[0] == pytest.approx(stated, rel=1e-6)
 
 
 @pytest.mark.parametrize("surrogate", [ss.Kriging(), ss.CoKriging(cheap)])

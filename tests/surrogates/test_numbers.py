@@ -73,6 +73,25 @@ def test_old_numbers_have_no_interval():
         from_numbers(numbers).predict(X, interval=0.9)
 
 
+def test_old_numbers_of_kriging_are_calibrated_anew():
+    X = np.random.default_rng(2).uniform(size=(15, 2))
+    fitted = ss.Kriging().fit(X, np.sin(9.0 * X[:, 0]) + X[:, 1] ** 3)
+    numbers = to_numbers(fitted)
+    assert numbers["found"]["calibration"] == fitted.calibration_
+    del numbers["found"]["calibration"]
+    again = from_numbers(numbers)
+    assert again.calibration_ == pytest.approx(fitted.calibration_, rel=1e-9)
+    np.testing.assert_array_equal(again.predict(X), fitted.predict(X))
+
+
+@pytest.mark.parametrize("value", [0.5, np.nan, np.inf, "wide", True, [1.0]])
+def test_damaged_calibrations_are_refused(value):
+    numbers = to_numbers(ss.Kriging().fit([[0.0], [1.0], [2.0]], [1.0, 2.0, 4.0]))
+    numbers["found"]["calibration"] = value
+    with pytest.raises(ValueError, match="calibration must be a number >= 1, got"):
+        from_numbers(numbers)
+
+
 @pytest.mark.parametrize(
     ("part", "value"),
     [("errors", [1.0, np.nan]), ("errors", []), ("folds", [0, 7]), ("folds", [0.5, 1.0]), ("fits", [[1.0]])],

@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
@@ -100,7 +100,9 @@ def run(
     weighting: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", help="Weighting of the accelerations of the histories, such as Wk.", show_default=False
+            metavar="NAME",
+            help="Weighting of the accelerations of histories or of an FMU, such as Wk.",
+            show_default=False,
         ),
     ] = None,
     at: Annotated[
@@ -188,9 +190,8 @@ def run(
         check_result(out, Fit, force)
     columns = _named("--inputs", inputs), _named("--outputs", outputs)
     stated = _pairs("--units", units or [])
-    of_histories = {"--designs": designs, "--weighting": weighting}
-    of_tables = {"--sheet": sheet, "--decimal": decimal}
-    _check_source(runs or [], fmu, histories, cut, of_histories, of_tables)
+    given = {"--designs": designs, "--weighting": weighting, "--cut": cut, "--sheet": sheet, "--decimal": decimal}
+    _check_source(runs or [], fmu, histories, {option for option, value in given.items() if value is not None})
     if next_range and not next_runs:
         raise Refusal("--next-range is for --next")
     box = box_of("--next-range", ranges_of("--next-range", next_range or []), columns[0], trust_units)
@@ -199,7 +200,7 @@ def run(
         from ..fit import LowFidelity, fit_runs, read_histories, read_runs
 
         if fmu:
-            table = fmu.run(*columns, stated, road, start, trust_units, seed)
+            table = fmu.run(*columns, stated, road, start, weighting, trust_units, seed)
         elif histories:
             table = read_histories(
                 runs or [],
@@ -246,26 +247,18 @@ def run(
         typer.echo(report(fit), nl=False)
 
 
-def _check_source(
-    runs: list[Path],
-    fmu: FmuRuns | None,
-    histories: bool,
-    cut: str | None,
-    of_histories: dict[str, Any],
-    of_tables: dict[str, Any],
-) -> None:
-    """Refuse what does not say where the runs come from: a table, histories or an FMU."""
-    given = {option for option, value in {**of_histories, **of_tables, "--cut": cut}.items() if value is not None}
+def _check_source(runs: list[Path], fmu: FmuRuns | None, histories: bool, given: set[str]) -> None:
+    """Refuse what does not say where the runs come from, a table, histories or an FMU, or is for another of these."""
     if fmu and (runs or histories):
         raise Refusal(f"--fmu runs {fmu.path} in place of RUNS; pass one of them")
     if not fmu and not runs:
         raise Refusal("RUNS is missing: a table of expensive runs, histories, or --fmu FILE")
-    for option in of_histories:
-        if option in given and not histories:
-            raise Refusal(f"{option} is for --histories")
-    if cut is not None and not (histories or fmu):
-        raise Refusal("--cut is for --histories and --fmu")
-    if histories and cut is None:
+    if "--designs" in given and not histories:
+        raise Refusal("--designs is for --histories")
+    for option in ("--weighting", "--cut"):
+        if option in given and not (histories or fmu):
+            raise Refusal(f"{option} is for --histories and --fmu")
+    if histories and "--cut" not in given:
         raise Refusal("--histories needs --cut, the start of each run that is left out, in s; 0 for none")
     if len(runs) > 1 and not histories:
         raise Refusal(f"RUNS is one table, got {len(runs)} files; pass --histories where each is a run over time")

@@ -44,6 +44,7 @@ class FmuRuns(NamedTuple):
         units: dict[str, str],
         road: "Road",
         cut: float,
+        weighting: str | None,
         trust_units: bool,
         seed: int,
     ) -> "Runs":
@@ -59,8 +60,8 @@ class FmuRuns(NamedTuple):
         model = FMU(self.path, inputs, outputs, heights=self.heights, units=units)
         like = None if self.like is None else read_vehicle(self.like, trust_units)
         designs = sample(box, self.number, random_state=seed)
-        how: dict[str, Any] = {"duration": self.duration, "cut": cut, "seed": seed, "kept": self.kept}
-        return model.run(designs, road, like=like, **how, progress=True)
+        how: dict[str, Any] = {"duration": self.duration, "cut": cut, "seed": seed, "weighting": weighting}
+        return model.run(designs, road, like=like, **how, kept=self.kept, progress=True)
 
 
 def fmu_from_options(

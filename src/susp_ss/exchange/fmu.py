@@ -25,8 +25,10 @@ from ..extras import needing
 from ..fit.histories import over_time
 from ..fit.runs import Runs, bounded, check_asked, check_together
 from ..fit.tables import possible_units, quantity
+from ..metrics.weightings import filter_of
 from ..quantities import briefly, whole_number
 from ..responses.excitation import check_kinds
+from ..responses.filters import Filter
 from ..responses.simulation import heights_under
 from ..roads.road import Road
 from ..units import factor_of
@@ -168,6 +170,7 @@ class FMU:
         cut: float = 5.0,
         step: float = 1e-3,
         seed: int = 0,
+        weighting: Any = None,
         kept: str | PathLike[str] | None = None,
         processes: int | None = None,
         progress: bool = False,
@@ -188,6 +191,8 @@ class FMU:
             Of samples and of co-simulation, in s.
         seed : int
             Of the road.
+        weighting : str or system of python-control, optional
+            A filter before accelerations become root mean squares, as in `ride_metrics`.
         kept : path, optional
             Finished runs go into this file (JSON) and are taken from it, so that a second call goes on where the first
             broke off.
@@ -208,7 +213,7 @@ class FMU:
             ``kept`` cannot be written.
         TypeError, ValueError
             Designs without an input or beyond its bound; a road with arrays; wheels that are not those of ``like``;
-            times that do not fit together; ``kept`` holds other runs; every run failed.
+            times that do not fit together; a weighting that is none; ``kept`` holds other runs; every run failed.
 
         Warns
         -----
@@ -222,7 +227,8 @@ class FMU:
         seed = whole_number("seed", seed, 0)
         processes = whole_number("processes", os.cpu_count() if processes is None else processes, 1)
         _check_times(duration, cut, step)
-        asked = self._asked(road, like, duration, cut, step, seed)
+        behind = None if weighting is None else filter_of(weighting, "weighting")
+        asked = self._asked(road, like, behind, duration, cut, step, seed)
         store = Kept(None if kept is None else Path(kept), asked)
         todo = [i for i, design in enumerate(X) if tuple(design.tolist()) not in store.runs]
         todo = [i for i in todo if not any((X[i] == X[j]).all() for j in todo if j < i)]
@@ -230,14 +236,14 @@ class FMU:
         if todo:
             drive = self._drive(road, like, duration, cut, step, seed)
             ask = {i: self._parameters(X[i]) for i in todo}
-            reduced = functools.partial(self._metrics, cut=cut)
+            reduced = functools.partial(self._metrics, cut=cut, behind=behind)
             for i, outcome in outcomes(self.path, drive, ask, reduced, processes, progress):
                 if isinstance(outcome, str):
                     failed[i] = outcome
                     warnings.warn(f"{self.path}, run {i + 1} ({self._said(X[i])}) failed: {outcome}", stacklevel=2)
                 else:
                     store.add(tuple(X[i].tolist()), outcome)
-        return self._runs(X, store.runs, failed, (road, like, duration, cut, step, seed))
+        return self._runs(X, store.runs, failed, (road, like, duration, cut, step, seed, weighting), behind)
 
     def _designs(self, designs: Any) -> Array:
         try:
@@ -276,7 +282,7 @@ class FMU:
             )
         return like
 
-    def _asked(self, road: Road, like: RoadVehicle, *times: float) -> dict[str, Any]:
+    def _asked(self, road: Road, like: RoadVehicle, behind: Filter | None, *times: float) -> dict[str, Any]:
         """Whatever runs hang on but for their designs, as JSON holds it."""
         of = {
             "FMU": hashlib.sha256(self.path.read_bytes()).hexdigest(),
@@ -289,6 +295,7 @@ class FMU:
             "track width": float(like.track_width),
         }
         of |= dict(zip(("duration", "cut", "step", "seed"), times, strict=True))
+        of["weighting"] = None if behind is None else [behind.numerator.tolist(), behind.denominator.tolist()]
         return json.loads(json.dumps(of))
 
     def _drive(self, road: Road, like: RoadVehicle, duration: float, cut: float, step: float, seed: int) -> Drive:
@@ -302,9 +309,9 @@ class FMU:
         u = np.gradient(z[order], step, axis=1) if self._by_rate else z[order]
         return Drive(t, u, tuple(self.heights.values()), tuple(variable.name for variable in self.outputs.values()))
 
-    def _metrics(self, t: Array, y: Array, cut: float) -> dict[str, float]:
+    def _metrics(self, t: Array, y: Array, cut: float, behind: Filter | None) -> dict[str, float]:
         return {
-            name: over_time(name, t, variable.factor * values, cut)
+            name: over_time(name, t, variable.factor * values, cut, behind)
             for (name, variable), values in zip(self.outputs.items(), y, strict=True)
         }
 
@@ -320,7 +327,12 @@ class FMU:
         )
 
     def _runs(
-        self, X: Array, found: Mapping[Design, Mapping[str, float]], failed: Mapping[int, str], how: Sequence[Any]
+        self,
+        X: Array,
+        found: Mapping[Design, Mapping[str, float]],
+        failed: Mapping[int, str],
+        how: Sequence[Any],
+        behind: Filter | None,
     ) -> Runs:
         done = [i for i, design in enumerate(X) if tuple(design.tolist()) in found]
         if not done:
@@ -331,9 +343,10 @@ class FMU:
         responses = [found[tuple(X[i].tolist())] for i in done]
         names = {name: variable.name for name, variable in (self.inputs | self.outputs).items()}
         units = {name: quantity(name).unit or variable.unit for name, variable in (self.inputs | self.outputs).items()}
-        road, like, duration, cut, step, seed = how
+        road, like, duration, cut, step, seed, weighting = how
         read = {"designs": dict(zip(self.inputs, X[done].T.tolist(), strict=True)), "road": road, "like": like}
         read |= {"duration": duration, "cut": cut, "step": step, "seed": seed}
+        read |= {} if weighting is None else {"weighting": weighting}
         of = {own: {name: one.name for name, one in getattr(self, own).items()} for own in ("inputs", "outputs")}
         stated = {name: variable.unit for name, variable in (self.inputs | self.outputs).items()}
         noted = f"{self.path}: {len(done)} of {len(X)} runs over {duration:g} s, root mean squares about the mean from "
@@ -347,7 +360,7 @@ class FMU:
             stated,
             (f"FMU({str(self.path)!r}, **{of!r}, heights={self.heights!r}, units={stated!r}).run", read),
             "run",
-            f"{noted}{cut:g} s on",
+            f"{noted}{cut:g} s on" + (f", accelerations through {behind.name}" if behind else ""),
         )
         check_together(runs)
         return runs

@@ -206,34 +206,21 @@ class _History:
 
     def reduced(self, name: str, cut: float, behind: Filter | None) -> float:
         """The metric of an output: its root mean square about its mean, or its mean where that is the metric."""
-        y = self.values[name]
-        if behind is not None and metric_and_place(name)[0] in ACCELERATIONS:
-            y = behind.filtered((y - y.mean())[None], self._step())[0]
         try:
-            return over_time(name, self.t, y, cut)
+            return over_time(name, self.t, self.values[name], cut, behind)
         except ValueError as error:
             raise ValueError(f"{self.path}: {error}") from None
 
-    def _step(self) -> float:
-        steps = np.diff(self.t)
-        step = (self.t[-1] - self.t[0]) / len(steps)
-        uneven = np.abs(steps - step) > UNEVEN * step
-        if uneven.any():
-            at = int(np.argmax(uneven))
-            raise ValueError(
-                f"{self.path}, samples {at + 1} and {at + 2}: a weighting needs even samples, got a step of "
-                f"{steps[at]:.6g} s where the mean is {step:.6g} s"
-            )
-        return float(step)
 
-
-def over_time(name: str, t: Array, y: Array, cut: float) -> float:
+def over_time(name: str, t: Array, y: Array, cut: float, behind: Filter | None = None) -> float:
     """The metric of an output over the rest of its history: its root mean square about its mean, or its mean.
+
+    Accelerations first pass the filter that they are ``behind``.
 
     Raises
     ------
     ValueError
-        The history ends before the cut.
+        The history ends before the cut, or its samples are too uneven for the filter.
 
     Examples
     --------
@@ -243,6 +230,8 @@ def over_time(name: str, t: Array, y: Array, cut: float) -> float:
     >>> round(over_time("bacc", t, 9.81 + np.where(t < 1.0, 40.0, 2.0 * np.sin(2.0 * np.pi * t)), cut=1.0), 3)
     1.414
     """
+    if behind is not None and metric_and_place(name)[0] in ACCELERATIONS:
+        y = behind.filtered((y - y.mean())[None], _step(t))[0]
     kept = t >= t[0] + cut
     if kept.sum() < 2:
         raise ValueError(f"ends at {t[-1] - t[0]:g} s, before the cut of {cut:g} s")
@@ -251,6 +240,20 @@ def over_time(name: str, t: Array, y: Array, cut: float) -> float:
     if metric_and_place(name)[0] == "damper_power":
         return float(mean)
     return float(np.sqrt(np.trapezoid((y - mean) ** 2, t) / (t[-1] - t[0])))
+
+
+def _step(t: Array) -> float:
+    """The step of even samples."""
+    steps = np.diff(t)
+    step = (t[-1] - t[0]) / len(steps)
+    uneven = np.abs(steps - step) > UNEVEN * step
+    if uneven.any():
+        at = int(np.argmax(uneven))
+        raise ValueError(
+            f"samples {at + 1} and {at + 2}: a weighting needs even samples, got a step of {steps[at]:.6g} s where the "
+            f"mean is {step:.6g} s"
+        )
+    return float(step)
 
 
 def _read(cells: Sequence[Any], sign: Sign) -> Array:

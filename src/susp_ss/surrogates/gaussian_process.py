@@ -284,6 +284,19 @@ class Prediction(Process):
         # Where the trend meets the others, what is left of the difference is rounding.
         return max(of_all - float(self.weights[left_out] @ errors), 0.0) / (self.free - len(left_out))
 
+    def calibration(self) -> float:
+        """Root mean square of the errors of runs left out, each over its own standard deviation, by this variance.
+
+        ``sqrt(mean(e_i^2 / (s2 c_i)))`` with ``e_i = (H y)_i / H_ii`` and ``c_i = 1 / H_ii``. Its square is the
+        variance by cross-validation over the likeliest one (F. Bachoc, *Computational Statistics & Data Analysis* 66,
+        2013, Eq 7). NaN where no run can be left out, or the trend meets them all.
+        """
+        h = np.diag(self.H)
+        # Without the others the trend is not determined, and there is no error.
+        known = h > DEPENDENT * h.max()
+        squares = self.weights[known] ** 2 / h[known]
+        return float(np.sqrt(np.mean(squares) / self.variance)) if self.size and known.any() else np.nan
+
     @functools.cached_property
     def H(self) -> Array:
         """``K W^-1 K'`` (n, n)."""

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import comb
-from sklearn.pipeline import Pipeline, make_pipeline
-from sklearn.preprocessing import PolynomialFeatures
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from ..quantities import briefly, whole_number
 from .low_fidelity import evaluated
-from .regressor import DEPENDENT, Approximation, Array, ByCoefficients
+from .regressor import DEPENDENT, Approximation, Array, ByCoefficients, factors, monomials
 
 # Taylor's steps, as a part of the centre: central differences of second order are then right to about this squared.
 STEP = 1e-3
@@ -62,15 +61,15 @@ class Polynomial(ByCoefficients, Approximation):
     def fit(self, X: ArrayLike, y: ArrayLike) -> Polynomial:
         """Fit the coefficients to the responses y (n,) at the designs X (n, k)."""
         designs, responses = self._runs(X, y)
-        monomials = self._monomials(designs)
-        columns = monomials.transform(designs)
+        self.box_ = self._box(designs)
+        columns = self._monomials(designs)
         n, m = columns.shape
         if n < m:
             raise ValueError(
                 f"degree {self.degree} in {designs.shape[1]} variable(s) has {m} coefficients and needs at least {m} "
                 f"runs, got {n} sample(s)"
             )
-        return self._expanded(monomials, self._solved(columns, responses))
+        return self._expanded(self._solved(columns, responses))
 
     def _solved(self, columns: Array, responses: Array) -> Array:
         """Coefficients (m,) of least squares on the monomials (n, m)."""
@@ -146,30 +145,33 @@ class Polynomial(ByCoefficients, Approximation):
         coefficients = np.concatenate([value, slopes, bends] if degree == 2 else [value, slopes])
         # It is about one design: there is no box that it would leave.
         polynomial.lowest_, polynomial.highest_ = np.full_like(c[0], -np.inf), np.full_like(c[0], np.inf)
-        return polynomial._expanded(polynomial._monomials(np.concatenate([c - h, c + h])), coefficients)
+        polynomial.box_ = polynomial._box(np.concatenate([c - h, c + h]))
+        return polynomial._expanded(coefficients)
 
     def _numbers(self) -> dict[str, Any]:
-        box, _ = self.monomials_
-        return {"box": [box.data_min_, box.data_max_], "coef": self.scaled_coef_}
+        return {"box": [self.box_.data_min_, self.box_.data_max_], "coef": self.scaled_coef_}
 
     def _restore(self, found: dict[str, Any]) -> None:
-        monomials = self._monomials(np.asarray(found["box"], dtype=float))
-        self._expanded(monomials, np.asarray(found["coef"], dtype=float))
+        self.box_ = self._box(np.asarray(found["box"], dtype=float))
+        coefficients, k, degree = np.asarray(found["coef"], dtype=float), self.n_features_in_, self._degree()
+        if coefficients.shape != (math.comb(k + degree, k),):
+            raise ValueError(f"coef must be {math.comb(k + degree, k)} numbers, got shape {coefficients.shape}")
+        self._expanded(coefficients)
 
     def _coefficients(self) -> Array:
         return self.scaled_coef_
 
     def _at(self, designs: Array) -> Array:
-        return self.monomials_.transform(designs) @ self.scaled_coef_
+        return self._monomials(designs) @ self.scaled_coef_
 
     def _at_each(self, designs: Array, fits: Array) -> Array:
-        return self.monomials_.transform(designs) @ fits.T
+        return self._monomials(designs) @ fits.T
 
     def _fit_to(self, rows: NDArray[np.intp]) -> Array:
         """On the scaled columns of all runs."""
         assert self._fitted_to is not None
         designs, responses = self._fitted_to
-        return self._solved(self.monomials_.transform(designs[rows]), responses[rows])
+        return self._solved(self._monomials(designs[rows]), responses[rows])
 
     def formula(self) -> str:
         """Return the polynomial in physical units as text that a spreadsheet or a script can take.
@@ -187,21 +189,24 @@ class Polynomial(ByCoefficients, Approximation):
         terms = zip(self.coef_.tolist(), self.terms_, strict=True)
         return f"{self.intercept_!r} + " + " + ".join(f"{a!r}*{term}" for a, term in terms)
 
-    def _monomials(self, designs: Array) -> Pipeline:
-        """Products of powers of the columns, scaled to [-1, 1] over the box of the designs."""
-        degree = whole_number("degree", self.degree, 1)
-        return make_pipeline(self._box(designs), PolynomialFeatures(degree)).fit(designs)
+    def _monomials(self, designs: Array) -> Array:
+        """Products (n, m) of powers of the columns, scaled to [-1, 1] over the box of the runs."""
+        return monomials(self.box_.transform(designs), self._degree())
 
-    def _expanded(self, monomials: Pipeline, coefficients: Array) -> Polynomial:
+    def _degree(self) -> int:
+        return whole_number("degree", self.degree, 1)
+
+    def _expanded(self, coefficients: Array) -> Polynomial:
         """Multiply ``b prod (s_i x_i + m_i)^p_i`` out into powers of x."""
-        box, features = monomials
-        q, p = features.powers_[:, None], features.powers_
+        k, box = self.n_features_in_, self.box_
+        p = np.array([np.bincount(f, minlength=k) for f in factors(k, self._degree())])
+        q = p[:, None]
         binomials = comb(p, q) * box.scale_**q * box.min_ ** np.maximum(p - q, 0)
-        self.monomials_, self.scaled_coef_ = monomials, coefficients
+        self.scaled_coef_ = coefficients
         expanded = binomials.prod(axis=-1) @ coefficients
         self.intercept_, self.coef_ = float(expanded[0]), expanded[1:]
         names = getattr(self, "feature_names_in_", [f"x{i}" for i in range(self.n_features_in_)])
-        self.terms_ = [_term(names, powers) for powers in features.powers_[1:]]
+        self.terms_ = [_term(names, term) for term in p[1:]]
         return self
 
 

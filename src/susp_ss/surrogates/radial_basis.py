@@ -13,11 +13,10 @@ from scipy.interpolate import RBFInterpolator
 from scipy.linalg import lapack
 from scipy.spatial.distance import cdist
 from scipy.special import xlogy
-from sklearn.preprocessing import PolynomialFeatures
 
 from ..quantities import briefly, whole_number
 from .left_out import left_out
-from .regressor import Approximation, Array, independent
+from .regressor import Approximation, Array, independent, monomials
 
 # phi(r) with scipy's signs, after the study's Eqs 10 to 21, where r^2 ln r is 0 at r = 0, and Eq 15 has a misprint for
 # exp(-r^2 / (2 sigma^2)): shape = 1 / (sqrt(2) sigma).
@@ -102,7 +101,7 @@ class RadialBasis(Approximation):
         shape = self._shape()
         self.box_ = self._box(designs)
         Z = self.box_.transform(designs)
-        n, m = _tail(Z, degree).shape
+        n, m = monomials(Z, degree).shape
         needed = m + (shape is None)
         if n < needed:
             raise ValueError(
@@ -156,7 +155,7 @@ class RadialBasis(Approximation):
         """
         designs, responses = self.runs_
         Z, degree = self.box_.transform(designs), self._degree()
-        P = _tail(Z, degree)
+        P = monomials(Z, degree)
         inverse = np.linalg.inv(_conditions(cdist(Z, Z), P, self.kernel, self.shape_))
         predicted = responses.copy()
         distinct = [np.unique(self._of_run[S]) for S in folds]
@@ -203,7 +202,7 @@ def leave_one_out(Z: Array, y: Array, kernel: str, shape: float, degree: int) ->
     ndarray, (n,)
         Response minus interpolant; inf if the system is singular to working precision.
     """
-    return _left_out_errors(cdist(Z, Z), _tail(Z, degree), y, kernel, shape)
+    return _left_out_errors(cdist(Z, Z), monomials(Z, degree), y, kernel, shape)
 
 
 def _left_out_errors(distances: Array, P: Array, y: Array, kernel: str, shape: float) -> Array:
@@ -222,7 +221,7 @@ def _determined(Z: Array, kernel: str, shape: float, degree: int) -> bool:
     The tail is judged by the singular values of its monomials on the scaled columns. The bumps may be as flat as 16
     digits bear: beyond that the weights are noise, whether or not an elimination meets a pivot of exactly zero.
     """
-    P = _tail(Z, degree)
+    P = monomials(Z, degree)
     if not independent(P):
         return False
     return bool(_reciprocal_condition(_conditions(cdist(Z, Z), P, kernel, shape)) > np.finfo(float).eps)
@@ -241,13 +240,8 @@ def _reciprocal_condition(A: Array) -> float:
 
 
 def _best_shape(Z: Array, y: Array, kernel: str, degree: int) -> float:
-    distances, P = cdist(Z, Z), _tail(Z, degree)
+    distances, P = cdist(Z, Z), monomials(Z, degree)
     others = distances + np.diag(np.full(len(Z), np.inf))
     shapes = SHAPES / others.min(axis=1).mean()
     sizes = [np.linalg.norm(_left_out_errors(distances, P, y, kernel, shape)) for shape in shapes]
     return float(shapes[np.argmin(sizes)])
-
-
-def _tail(Z: Array, degree: int) -> Array:
-    """Monomials (n, m) of the polynomial tail."""
-    return PolynomialFeatures(degree).fit_transform(Z) if degree >= 0 else np.empty((len(Z), 0))

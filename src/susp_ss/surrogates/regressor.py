@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from typing import Any
 
@@ -37,6 +38,20 @@ def independent(columns: Array) -> bool:
         return True
     values = np.linalg.svd(columns, compute_uv=False)
     return bool(len(values) == columns.shape[1] and values[-1] > DEPENDENT * values[0])
+
+
+def factors(k: int, degree: int) -> list[tuple[int, ...]]:
+    """Which of k columns are multiplied in every monomial up to a degree, the constant first; none for -1."""
+    return [f for d in range(degree + 1) for f in itertools.combinations_with_replacement(range(k), d)]
+
+
+def monomials(Z: Array, degree: int) -> Array:
+    """Every monomial (n, m) of designs (n, k) up to a degree, in the order of `factors`."""
+    multiplied = factors(Z.shape[1], degree)
+    columns, at = np.ones((len(multiplied), len(Z))), {f: i for i, f in enumerate(multiplied)}
+    for f in multiplied[1:]:
+        np.multiply(columns[at[f[:-1]]], Z[:, f[-1]], out=columns[at[f]])
+    return columns.T
 
 
 def beyond(designs: Array, lowest: Array, highest: Array) -> NDArray[np.bool_]:
