@@ -154,11 +154,10 @@ def write(kept, cells):
         f"cell is {100.0 * spread.median():.1f} % in the median.",
         "",
         *rows(["model", "criterion", "runs", *names], body),
-        "",
-        f"## Less than {CLAIMED[0]:.0%}",
-        "",
-        *rows([*KEY, "held, %"], [[*key, f"{100.0 * row.held:.0f}"] for key, row in below.iterrows()]),
     ]
+    if len(below):
+        listed = [[*key, f"{100.0 * row.held:.0f}"] for key, row in below.iterrows()]
+        text += ["", f"## Less than {CLAIMED[0]:.0%}", "", *rows([*KEY, "held, %"], listed)]
     (RESULTS / "intervals.md").write_text("\n".join([*text, ""]), encoding="utf-8")
     if claimed.held.min() < LEAST_HELD:
         raise SystemExit(f"intervals hold {claimed.held.min():.0%} from {FROM} runs on, not {LEAST_HELD:.0%}")

@@ -38,7 +38,7 @@ def test_the_covariance_is_that_of_the_dense_equations(kernel, trend):
     both = np.concatenate([s2 * correlation(X, T), p.T])
     expected = s2 * correlation(T, T) - both.T @ np.linalg.solve(system, both)
     np.testing.assert_allclose(model.covariance(T), expected, atol=1e-6 * s2)
-    std = model.predict(T, return_std=True)[1]
+    std = model.predict(T, return_std=True)[1] / model.calibration_
     np.testing.assert_allclose(np.diag(model.covariance(T)) + noise, std**2, rtol=1e-6)
 
 

@@ -107,8 +107,9 @@ class _GaussianProcess(Approximation):
         Returns
         -------
         ndarray, (n, n)
-            In the unit of the responses squared; what a further run takes of it stands in
-            `susp_ss.surrogates.next_designs`.
+            In the unit of the responses squared, by the likeliest variance: with a run's noise, and times the square
+            of ``calibration_``, its diagonal is the square of the standard deviations of `predict`. What a further run
+            takes of it stands in `susp_ss.surrogates.next_designs`.
         """
         designs = self._columns(X)
         return self.process_.covariance(self.box_.transform(designs), self._trend_at(designs))
