@@ -16,4 +16,4 @@ def test_python_blocks_run(block, capsys):
 
 
 def test_there_is_python_to_run():
-    assert len(BLOCKS) == 1
+    assert len(BLOCKS) == 2

@@ -51,14 +51,15 @@ def progress(what: str, total: int, done: int = 0, wanted: bool = True) -> Itera
     >>> with progress("sweeping", total=3) as shown:
     ...     shown.advance()
     """
+    if not wanted:
+        yield _Silent(what, total, done)
+        return
     from rich.console import Console
     from rich.progress import MofNCompleteColumn
     from rich.progress import Progress as Bars
 
     console = Console(stderr=True)
-    if not wanted:
-        yield _Silent(what, total, done)
-    elif not console.is_terminal:
+    if not console.is_terminal:
         yield Progress(what, total, done)
     else:
         with Bars(*Bars.get_default_columns(), MofNCompleteColumn(), console=console, transient=True) as bars:

@@ -181,7 +181,7 @@ UNITS: dict[str, dict[str, float]] = {
     "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704, "mm/s": 1e-3},
     "m^3": {"m^3": 1.0, "cm^3": 1e-6},
     "cycle/m": {"cycle/m": 1.0, "rad/m": 0.5 / math.pi},
-    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
     "Hz": {"Hz": 1.0, "rad/s": 0.5 / math.pi},
 }
 """For each SI unit, the units that people may state in its place, and how much of the SI unit one of them is."""

@@ -36,6 +36,51 @@ TABLES = {
 }  # fmt: skip
 
 
+# The same, to four figures and at the bands' exact centres 10^(n/10) Hz, from n = -10 on, Wf from -17 on: ISO
+# 8041-1:2017, tables B.1 to B.9, of which tables 3 and 4 of ISO 2631-1 are the first three figures.
+PRINTED = {
+    "Wb": """
+        0.02494 0.03941 0.06198 0.09645 0.1464 0.2113 0.28 0.3347 0.3666 0.3808 0.3853 0.3864 0.3916 0.4168
+        0.496 0.6653 0.885 1.026 1.054 1.026 0.9745 0.9042 0.8144 0.7088 0.5973 0.4906 0.395 0.3118 0.2389
+        0.1734 0.1154 0.06929 0.03818 0.01999 0.0102 0.005154 0.002591
+    """,
+    "Wc": """
+        0.06238 0.09858 0.1551 0.2415 0.3669 0.5302 0.7042 0.8442 0.9292 0.9716 0.991 1.0 1.006 1.012 1.017
+        1.023 1.024 1.013 0.9739 0.8941 0.7762 0.6425 0.5166 0.4098 0.3236 0.2549 0.2002 0.1557 0.1182 0.08538
+        0.05665 0.03394 0.01868 0.009772 0.004987 0.002518 0.001266
+    """,
+    "Wd": """
+        0.06242 0.09867 0.1553 0.242 0.3682 0.533 0.7097 0.854 0.9443 0.9914 1.011 1.007 0.9707 0.8913 0.7733
+        0.6398 0.5143 0.4081 0.3226 0.255 0.2017 0.1597 0.1266 0.1004 0.07958 0.06299 0.04965 0.03872 0.02946
+        0.0213 0.01414 0.008478 0.004668 0.002442 0.001246 0.0006293 0.0003164
+    """,
+    "We": """
+        0.06252 0.09893 0.156 0.2435 0.3715 0.5394 0.7198 0.8635 0.9389 0.9423 0.8798 0.7683 0.6372 0.5127 0.407
+        0.3218 0.2543 0.2012 0.1594 0.1263 0.1002 0.07954 0.06314 0.05011 0.03975 0.03147 0.02481 0.01935
+        0.01473 0.01065 0.007071 0.004239 0.002334 0.001221 0.0006232 0.0003147 0.0001582
+    """,
+    "Wf": """
+        0.02407 0.03803 0.06021 0.09619 0.1575 0.2675 0.4537 0.6951 0.9 1.004 0.9928 0.8501 0.6149 0.3884 0.2225
+        0.1157 0.05434 0.02352 0.009705 0.003916 0.001566
+    """,
+    "Wj": """
+        0.03099 0.04897 0.07703 0.1199 0.1821 0.263 0.3489 0.4176 0.4585 0.4776 0.4844 0.4851 0.4832 0.4819
+        0.4889 0.5246 0.6251 0.7948 0.947 1.016 1.03 1.026 1.019 1.012 1.006 1.0 0.9911 0.972 0.9304 0.8465
+        0.7075 0.5338 0.37 0.2437 0.1565 0.09951 0.06297
+    """,
+    "Wk": """
+        0.03121 0.04931 0.07756 0.1207 0.1832 0.2644 0.3504 0.4188 0.4588 0.4767 0.4825 0.4846 0.4935 0.5308
+        0.6335 0.8071 0.9648 1.039 1.054 1.037 0.9884 0.8989 0.7743 0.6373 0.5103 0.4031 0.316 0.2451 0.1857
+        0.1339 0.08873 0.05311 0.02922 0.01528 0.007795 0.003935 0.001978
+    """,
+    "Wm": """
+        0.01584 0.0251 0.03976 0.06293 0.09941 0.1563 0.243 0.3684 0.5304 0.7003 0.8329 0.9071 0.9342 0.9319
+        0.9101 0.8721 0.8184 0.7498 0.6692 0.5819 0.4941 0.4114 0.3375 0.2738 0.2203 0.176 0.1396 0.1093 0.08336
+        0.06036 0.04013 0.02407 0.01326 0.006937 0.003541 0.001788 0.000899
+    """,
+}
+
+
 @pytest.mark.parametrize("name", TABLES)
 def test_weightings_are_the_standard_s(name):
     frequency, factor = np.array(list(TABLES[name].items())).T
@@ -43,13 +88,27 @@ def test_weightings_are_the_standard_s(name):
     np.testing.assert_allclose(ours, factor, rtol=6e-3)
 
 
-@pytest.mark.parametrize(
-    ("name", "frequency", "factor"),
-    # One where each weighting is flat, and its level there; ISO 2631-1, 2631-2, 8041 and BS 6841.
-    [("Wc", 4.0, 1.0), ("We", 0.9, 1.0), ("Wj", 20.0, 1.0), ("Wb", 8.0, 1.024), ("Wm", 2.0, 1.0)],
-)
-def test_levels_of_the_others(name, frequency, factor):
-    assert abs(ss.weighting(name)(2j * np.pi * frequency)) == pytest.approx(factor, rel=0.15)
+@pytest.mark.parametrize("name", WEIGHTINGS)
+def test_weightings_are_the_standard_s_to_its_last_digit(name):
+    printed = np.array(PRINTED[name].split(), float)
+    bands = np.arange(len(printed)) - (17 if name == "Wf" else 10)
+    ours = abs(ss.weighting(name)(2j * np.pi * 10.0 ** (bands / 10.0)))
+    last_digit = 10.0 ** (np.floor(np.log10(printed)) - 3.0)
+    np.testing.assert_array_less(abs(ours - printed), 0.501 * last_digit)
+
+
+def test_wb_has_the_gain_of_british_standard_6841():
+    """Its table 3 and formula, with K = 0.4, where the band limits' resonances are printed as 0.71."""
+    f3, f4, f5, f6, Q2, Q3, Q4, K = 16.0, 16.0, 2.5, 4.0, 0.55, 0.9, 0.95, 0.4
+    s = 2j * np.pi * np.geomspace(0.01, 500.0, 60)
+
+    def second_order(f, Q):
+        return s**2 + 2.0 * np.pi * f / Q * s + 4.0 * np.pi**2 * f**2
+
+    band = s**2 * 4.0 * np.pi**2 * 100.0**2 / (second_order(0.4, 0.5**0.5) * second_order(100.0, 0.5**0.5))
+    shape = (s + 2.0 * np.pi * f3) / second_order(f4, Q2) * second_order(f5, Q3) / second_order(f6, Q4)
+    British = band * shape * 2.0 * np.pi * K * f4**2 * f6**2 / (f3 * f5**2)
+    np.testing.assert_allclose(ss.weighting("Wb")(s), British, rtol=1e-12)
 
 
 def from_terms(filter, omega):

@@ -13,14 +13,14 @@ from .documents import json_number, road_document
 from .options import (
     TIME,
     Json,
+    body_points,
     built_from,
     counted,
     measured,
-    names,
-    number,
     print_table,
     road_from_options,
     vehicle_options,
+    weightings,
 )
 from .refusals import Refusal, refusals
 
@@ -109,7 +109,7 @@ def run(
     record = {name: value for name, value in (("duration", length), ("seed", seed)) if value is not None}
     if record and method != "time":
         raise Refusal(f"--{next(iter(record))} belongs to --method time, got --method {method}")
-    more: dict[str, Any] = {"weighting": _weightings(weighting or []), "points": _points(point or [])}
+    more: dict[str, Any] = {"weighting": weightings(weighting or []), "points": body_points(point or [])}
     with refusals(), Console(stderr=True).status("computing"):
         asked = read_system(system, vehicle) if system else vehicle
         result = ride_metrics(asked, road, method=method, **more, **record)
@@ -148,31 +148,6 @@ def _document(vehicle: dict[str, Any], road: "Road", method: str, result: "xr.Da
         },
         **({"comment": result.attrs["comment"]} if "comment" in result.attrs else {}),
     }
-
-
-def _weightings(given: list[str]) -> Any:
-    """One name for all, or names by output."""
-    named = [text.partition("=") for text in names(given)]
-    everywhere = [name for name, equals, _ in named if not equals]
-    if not named:
-        return None
-    if everywhere and len(named) > 1:
-        raise Refusal(
-            f"--weighting {everywhere[0]} is for bacc, pitch_acc and roll_acc; by output, pass "
-            f"bacc={everywhere[0]} and so on"
-        )
-    return everywhere[0] if everywhere else {output: name for output, _, name in named}
-
-
-def _points(given: list[str]) -> dict[str, tuple[float, float]] | None:
-    points = {}
-    for text in given:
-        name, equals, place = text.partition("=")
-        numbers = place.split(",")
-        if not equals or len(numbers) != 2:
-            raise Refusal(f"--point must be NAME=X,Y such as driver=0.3,0.4 in m, got {text!r}")
-        points[name] = (number("--point", numbers[0]), number("--point", numbers[1]))
-    return points or None
 
 
 def _weighted(data: "xr.DataArray") -> str:

@@ -325,6 +325,32 @@ def counted(help: str, *flags: str, **shown: Any) -> Any:
     return typer.Option(*flags, metavar="N", parser=_integer, help=help, **shown)
 
 
+def weightings(given: list[str]) -> Any:
+    """One name for all, or names by output."""
+    named = [text.partition("=") for text in names(given)]
+    everywhere = [name for name, equals, _ in named if not equals]
+    if not named:
+        return None
+    if everywhere and len(named) > 1:
+        raise Refusal(
+            f"--weighting {everywhere[0]} is for bacc, pitch_acc and roll_acc; by output, pass "
+            f"bacc={everywhere[0]} and so on"
+        )
+    return everywhere[0] if everywhere else {output: name for output, _, name in named}
+
+
+def body_points(given: list[str]) -> dict[str, tuple[float, float]] | None:
+    """Points of the body by name, None of them all; ``driver:0.3:0.4`` is read as well."""
+    points = {}
+    for text in given:
+        parts = re.fullmatch(r"([^=:]+)(?:=([^,:]+),([^,:]+)|:([^,:]+):([^,:]+))", text)
+        if parts is None:
+            raise Refusal(f"--point must be NAME=X,Y such as driver=0.3,0.4 in m, got {text!r}")
+        name, *numbers = filter(None, parts.groups())
+        points[name] = (number("--point", numbers[0]), number("--point", numbers[1]))
+    return points or None
+
+
 def flag(parameter: str) -> str:
     """Name of a parameter's option."""
     return f"--{parameter.replace('_', '-')}"

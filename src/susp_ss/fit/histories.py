@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from ..metrics.vibration import even_step
 from ..metrics.weightings import ACCELERATIONS, filter_of
 from ..progress import tracked
 from ..quantities import Quantity, briefly, metric_and_place
@@ -31,9 +32,6 @@ TIME = Quantity("time", "s", "time")
 
 # Cells of a column in which its decimal sign must show.
 SHOWN = 200
-
-# How uneven samples may be for a filter, of a step: what rounded time stamps are.
-UNEVEN = 0.01
 
 
 def read_histories(
@@ -212,16 +210,10 @@ class _History:
             raise ValueError(f"{self.path}: {error}") from None
 
     def _step(self) -> float:
-        steps = np.diff(self.t)
-        step = (self.t[-1] - self.t[0]) / len(steps)
-        uneven = np.abs(steps - step) > UNEVEN * step
-        if uneven.any():
-            at = int(np.argmax(uneven))
-            raise ValueError(
-                f"{self.path}, samples {at + 1} and {at + 2}: a weighting needs even samples, got a step of "
-                f"{steps[at]:.6g} s where the mean is {step:.6g} s"
-            )
-        return float(step)
+        try:
+            return even_step(self.t)
+        except ValueError as error:
+            raise ValueError(f"{self.path}, {error}") from None
 
 
 def over_time(name: str, t: Array, y: Array, cut: float) -> float:

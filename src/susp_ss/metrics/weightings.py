@@ -27,7 +27,8 @@ class _Constants(NamedTuple):
     gain: float = 1.0
 
 
-# ISO 2631-1:1997 annex A and ISO 8041-1:2017 table 3; Wb of BS 6841 with the gain of ISO 2631-4.
+# ISO 2631-1:1997 annex A and ISO 8041-1:2017 table 3, Wm as ISO 2631-2 defines it. BS 6841 states the gain of Wb below
+# its step, 0.4, and ISO 2631-4 the one above, 1.024: they are one filter, for (2.5 / 4)^2 = 0.4 / 1.024.
 WEIGHTINGS = {
     "Wk": _Constants((0.4, 100.0), (12.5, 12.5, 0.63), (2.37, 0.91, 3.35, 0.91)),
     "Wd": _Constants((0.4, 100.0), (2.0, 2.0, 0.63)),
@@ -36,7 +37,7 @@ WEIGHTINGS = {
     "We": _Constants((0.4, 100.0), (1.0, 1.0, 0.63)),
     "Wj": _Constants((0.4, 100.0), None, (3.75, 0.91, 5.32, 0.91)),
     "Wb": _Constants((0.4, 100.0), (16.0, 16.0, 0.55), (2.5, 0.9, 4.0, 0.95), 1.024),
-    "Wm": _Constants((0.7943, 100.0), (5.684, 5.684, 0.5)),
+    "Wm": _Constants((10.0**-0.1, 100.0), (0.5 / (0.028 * np.pi), 0.5 / (0.028 * np.pi), 0.5)),
 }
 
 # The band limits are Butterworth filters of second order.

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 
 from ..fit.fitting import Fit
+from ..metrics.comfort import AXES, Comfort
 from ..study.feasibility import Study
 from ..study.published import CRITERIA, SURROGATES
 from ..vehicles.files import in_file, vehicle_table
-from ..vehicles.vehicle import Vehicle
 from .text.fit import judged
 from .versions import versions
 
@@ -47,9 +47,10 @@ def study_document(study: Study) -> dict[str, Any]:
     }
 
 
-def _vehicle(vehicle: Vehicle) -> dict[str, Any] | str:
-    """A vehicle as a file holds it; one of a kind that no file holds by its name."""
-    return vehicle_table(vehicle) if in_file(vehicle) else type(vehicle).__name__
+def _vehicle(vehicle: Any) -> dict[str, Any] | str:
+    """A vehicle as a file holds it; by its name, one of a kind that no file holds, or of a sweep."""
+    one = in_file(vehicle) and not vehicle.design_space().dims
+    return vehicle_table(vehicle) if one else type(vehicle).__name__
 
 
 def _nested(frame: pd.DataFrame) -> dict[str, Any]:
@@ -83,3 +84,23 @@ def fit_document(fit: Fit) -> dict[str, Any]:
             "formula": None if found.formula is None else dict(zip(("surrogate", "text"), found.formula, strict=True)),
         }
     return {"runs": len(fit.runs.rows), "inputs": fit.surrogate.inputs, "outputs": outputs}
+
+
+def comfort_document(comfort: Comfort) -> dict[str, Any]:
+    """Everything asked and found of a ride, one row a design and point."""
+    metrics = comfort.metrics
+    table = comfort.table.reset_index() if metrics.dims else comfort.table
+    return {
+        "vehicle": _vehicle(comfort.vehicle),
+        "ride": comfort.describe(),
+        "points": {name: {"value": list(place), "unit": "m"} for name, place in comfort.points.items()},
+        "duration": {"value": comfort.duration, "unit": "s"},
+        "weightings": {name: metrics[name].attrs["weighting"] for name in AXES if name in metrics},
+        "k": {name: axis.k for name, axis in AXES.items() if name in metrics},
+        "units": {str(name): data.attrs["units"] for name, data in metrics.items()},
+        "comfort": [{str(name): _plain(value) for name, value in row.items()} for row in table.to_dict("records")],
+    }
+
+
+def _plain(value: Any) -> Any:
+    return _json(value) if isinstance(value, float) else value

@@ -6,9 +6,11 @@ from collections.abc import Callable
 from typing import Any
 
 from ..fit.fitting import Fit
+from ..metrics.comfort import Comfort
 from ..roads.road_fit import FittedRoad
 from ..study.feasibility import Study
 from ..study.scan import Scan
+from .text.comfort import comfort_text
 from .text.fit import fit_text
 from .text.road import fitted_road_text
 from .text.scan import scan_text
@@ -18,6 +20,7 @@ TEXTS: dict[type, Callable[[Any], str]] = {
     Study: study_text,
     Fit: fit_text,
     Scan: scan_text,
+    Comfort: comfort_text,
     FittedRoad: fitted_road_text,
 }
 
@@ -27,12 +30,12 @@ def report(result: Any) -> str:
 
     Of a `Study`: Tables 3 to 5 with ours beside the published values, what agrees, held-out accuracy and cost. Of a
     `Fit`: for each output the ranking, the choice, what the cheap model was worth, and the formula. Of a `Scan`: the
-    nearest scenarios, and what each assumption can and cannot reach. Of a `FittedRoad`: class, spectrum and tracks,
-    each with its interval.
+    nearest scenarios, and what each assumption can and cannot reach. Of a `Comfort`: what is felt and in what words,
+    doses, and how long a day they are permitted. Of a `FittedRoad`: class, spectrum and tracks, each with its interval.
 
     Parameters
     ----------
-    result : Study, Fit, Scan or FittedRoad
+    result : Study, Fit, Scan, Comfort or FittedRoad
 
     Returns
     -------

@@ -16,12 +16,16 @@ from matplotlib.figure import Figure
 
 from ..extras import needing
 from ..fit.fitting import Fit
+from ..metrics.comfort import Comfort
+from ..metrics.third_octaves import third_octaves
+from ..quantities import signal
 from ..responses.covariance import linearised
+from ..roads.road import Road
 from ..study.feasibility import Study
 from ..study.published import FIGURES, SURROGATES
 from ..study.scan import Scan
 from . import plots
-from .documents import study_document
+from .documents import comfort_document, study_document
 from .folder import write_results
 from .text.fit import fit_text
 
@@ -52,6 +56,8 @@ PICTURES = {
 
 SCAN, SCAN_PICTURE = "scan.csv", "scan.png"
 
+COMFORT = "comfort.csv", "comfort.json", "comfort.png"
+
 
 def save(result: Any, folder: str | PathLike[str], force: bool = False, figures: bool = True) -> None:
     """Write a result into a folder.
@@ -59,12 +65,13 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
     A `Study` becomes ``tables.csv`` (one row an entry: ours, published, unit), ``tables.json`` (the same with scenario,
     held-out accuracy, cost and versions), ``responses.nc``, ``figures/`` and ``report.html``. A `Fit` becomes
     ``surrogate.json``, ``accuracy.csv``, ``predictions.csv``, ``figures/``, ``report.md`` and ``report.html``. A `Scan`
-    becomes ``scan.csv`` and ``scan.png``. A page is one file that opens in a browser without a network; it needs the
-    extra ``pages``.
+    becomes ``scan.csv`` and ``scan.png``. A `Comfort` becomes ``comfort.csv``, ``comfort.json`` and, of one design on a
+    `Road` or of a sweep along one dim, ``comfort.png``. A page is one file that opens in a browser without a network;
+    it needs the extra ``pages``.
 
     Parameters
     ----------
-    result : Study, Fit or Scan
+    result : Study, Fit, Scan or Comfort
     folder : path
         Made if missing.
     force : bool
@@ -252,8 +259,38 @@ def _write_scan(scan: Scan, folder: Path, figures: bool) -> None:
         plots.scenario_scan(scan).savefig(folder / SCAN_PICTURE)
 
 
+# Comfort
+
+
+def _write_comfort(comfort: Comfort, folder: Path, figures: bool) -> None:
+    table, document, picture = (folder / name for name in COMFORT)
+    comfort.table.to_csv(table, index=bool(comfort.metrics.dims))
+    document.write_text(json.dumps(comfort_document(comfort), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    figure = _comfort_figure(comfort) if figures else None
+    if figure is not None:
+        figure.savefig(picture)
+
+
+def _comfort_figure(comfort: Comfort) -> Figure | None:
+    """Total values along the one dim of a sweep; of one design on a `Road`, its last place in one-third octaves."""
+    total = comfort.metrics["total"]
+    places = total.point.values.tolist() if "point" in total.dims else [""]
+    swept = [dim for dim in total.dims if dim != "point"]
+    if len(swept) == 1:
+        shown = {place or "body": total.sel(point=place) if place else total for place in places[-len(plots.LINES) :]}
+        return plots.comfort(shown)
+    if swept or not isinstance(comfort.road, Road):
+        return None
+    output, weighting = signal("bacc", places[-1]), comfort.metrics["bacc"].attrs["weighting"]
+    named = {"not weighted": None, f"through {weighting}": comfort.weighting}
+    ride = comfort.vehicle, comfort.road
+    bands = {name: third_octaves(*ride, weighting=one, points=comfort.points or None) for name, one in named.items()}
+    return plots.third_octaves({f"{output}, {name}": curve.sel(output=output) for name, curve in bands.items()})
+
+
 KINDS: dict[type, Kind] = {
     Study: Kind((*TABLES, PAGE, *STILLS.values()), _write_study),
     Fit: Kind((SURROGATE, REPORT, PAGE, ACCURACY, PREDICTIONS), _write_fit),
     Scan: Kind((SCAN, SCAN_PICTURE), _write_scan),
+    Comfort: Kind(COMFORT, _write_comfort),
 }

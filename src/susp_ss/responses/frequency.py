@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -121,48 +121,86 @@ def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     return result
 
 
-def output_density(
-    vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, interference: NDArray | None = None
-) -> NDArray:
-    """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs).
+class Effect(NamedTuple):
+    """What one process does to all outputs at frequencies, of arrays (designs..., F, outputs) for each of its axles.
 
-    ``interference`` (F,) is how much the cross terms of axles count, which turn with their delays: in full without it.
+    ``velocity`` (designs..., F, 1) is the one-sided density per Hz of its rate, ``s`` (designs..., F, 1) is ``j w``.
+    ``alone`` is what each axle makes of the rate as if it met it at once, ``taus`` by how much later it does. What
+    integrates, such as the warp of the road, is in ``warps``, and what is left of it after all axles in ``drift``.
+    """
+
+    velocity: NDArray
+    s: NDArray
+    taus: list[NDArray]
+    alone: list[NDArray]
+    warps: list[NDArray]
+    drift: NDArray | None
+
+    def at(self, which: NDArray[np.int_]) -> Effect:
+        """The same of some of the designs, each of which has frequencies of its own."""
+
+        def some(x: NDArray) -> NDArray:
+            return x[which] if x.ndim == 3 else x
+
+        taus, alone, warps = ([some(x) for x in parts] for parts in (self.taus, self.alone, self.warps))
+        drift = None if self.drift is None else some(self.drift)
+        return Effect(some(self.velocity), some(self.s), taus, alone, warps, drift)
+
+    @property
+    def whole(self) -> NDArray:
+        """What all axles do together."""
+        turns = [-self.s * tau for tau in self.taus]
+        late: Any = sum(np.exp(turn) * one for turn, one in zip(turns, self.alone, strict=True))
+        if self.drift is not None:
+            # At low frequency the warp of an axle is large and nearly cancels the others': the sum first.
+            late = late + self.drift
+            late = sum((np.expm1(turn) * warp for turn, warp in zip(turns, self.warps, strict=True)), late)
+        return np.asarray(late)
+
+    @property
+    def each(self) -> list[NDArray]:
+        """What each axle does, what integrates included."""
+        return self.alone if self.drift is None else [a + b for a, b in zip(self.alone, self.warps, strict=True)]
+
+
+def effects(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, H: NDArray) -> list[Effect]:
+    """What every process does to all outputs of a flattened vehicle at frequencies (F,), or (designs, F).
+
+    ``H`` is `Model.relative_transfer` there.
     """
     omega = 2.0 * np.pi * f
-    H, s = model.relative_transfer(omega), 1j * omega[:, None]
-    turns = [-1j * omega * np.asarray(tau)[..., None] for tau in delays(vehicle, road)]
-    lags = [np.exp(turn)[..., None] for turn in turns]
+    s = 1j * omega[..., None]
+    taus = [np.asarray(tau)[..., None, None] for tau in delays(vehicle, road)]
     width = np.asarray(vehicle.track_width)[..., None]
     road = road.mapped(lambda x: np.asarray(x)[..., None])
     velocity = omega**2 * road.psd(f / road.speed) / road.speed
     if road.weighting is not None:
         velocity = velocity * road.weighting.power(omega)
-    total: Any = 0.0
+
+    def warped(rate: NDArray) -> NDArray:
+        return np.asarray((model.on_integrators @ rate[..., None])[..., None, :, 0] / s)
+
+    found = []
     for process in processes(vehicle, road):
         share: Any = process.share
         if process.sign:
             apart = road.incoherence(f / road.speed, width)
             share = 0.5 * (apart if process.sign < 0 else 2.0 - apart)
-        # By each axle, and by all together.
-        axles = process.axles
-        alone = [lags[j] * (H @ process.weights[j]) for j in axles]
-        whole: Any = sum(alone)
         rates, drift = integrated(model, process)
-        if rates.any():
-            # At low frequency the warp of an axle is large and nearly cancels the others': the sum first.
-            warps = [(model.on_integrators @ rate[..., None])[..., None, :, 0] / s for rate in (*rates[axles], drift)]
-            late = [np.expm1(turns[j])[..., None] * warp for j, warp in zip(axles, warps, strict=False)]
-            whole = whole + sum(late, warps[-1])
-            alone = [one + more + warp for one, more, warp in zip(alone, late, warps, strict=False)]
-        power = _squared(whole)
-        if interference is not None:
-            weight = interference[:, None]
-            power = weight * power + (1.0 - weight) * sum(map(_squared, alone))
-        total = total + power * (share * velocity)[..., None]
-    return np.asarray(total)
+        warps = [warped(rates[axle]) for axle in process.axles] if rates.any() else []
+        alone = list(np.moveaxis(H @ process.weights[process.axles].T, -1, 0))
+        late = [taus[axle] for axle in process.axles]
+        found.append(Effect((share * velocity)[..., None], s, late, alone, warps, warped(drift) if warps else None))
+    return found
 
 
-def _squared(z: NDArray) -> NDArray[np.float64]:
+def output_density(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray) -> NDArray[np.float64]:
+    """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs)."""
+    found = effects(vehicle, model, road, f, model.relative_transfer(2.0 * np.pi * f))
+    return np.asarray(sum(effect.velocity * squared(effect.whole) for effect in found))
+
+
+def squared(z: NDArray) -> NDArray[np.float64]:
     """``|z|^2``."""
     return np.asarray(z.real**2 + z.imag**2)
 

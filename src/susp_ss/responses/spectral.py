@@ -1,76 +1,149 @@
-"""Variances by integrating spectra: any waviness and any coherence, one design at a time."""
+"""Variances by integrating spectra over all frequencies: any waviness and any coherence.
+
+Gauss and Legendre's quadrature on `panels`, which are halved where the last coefficients of what they integrate are not
+small. Axles that meet the road one after the other interfere ever faster as frequency rises. Their cross terms are
+smooth functions times ``exp(-j w tau)``: of those the Legendre series is integrated term by term, with spherical Bessel
+functions (N. S. Bakhvalov and L. G. Vasil'eva, *USSR Comput. Math. Math. Phys.* 8, 1968), and far above every
+resonance three terms of an asymptotic series are the rest.
+"""
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-from scipy.integrate import cubature
+from itertools import combinations
 
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+from scipy.special import spherical_jn
+
+from ..progress import tracked
 from ..roads.road import Road
-from ..vehicles.contract import RoadVehicle
+from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import DesignSpace
 from .excitation import check_stationary, infinite_outputs, processes
-from .frequency import output_density
+from .frequency import effects, squared
+from .panels import ABOVE, BELOW, BETWEEN, Marks, Panels, marks
 
-# The integral runs over log frequency, where algebraic ends become exponential. Slowly decaying spectra (waviness close
-# to 1 or to 3) need ends this far out; the integrand costs nothing there.
-LOWEST, HIGHEST = 1e-60, 1e60
+Array = NDArray[np.float64]
 
-# From waviness 3 on, the rounding of a response that vanishes with frequency would be raised without bound; what comes
-# from below this, in Hz, falls at least with the first power of it.
-LOWEST_OF_STEEP = 1e-12
+# Error of a panel, relative to each variance but no finer than to what the wheels would give one by one, where their
+# effects cancel; what it must be at the worst, and how often panels are halved.
+RELATIVE, CANCELLED, REFUSED, ROUNDS = 1e-11, 1e-12, 1e-7, 14
 
-# Front and rear wheels interfere ever faster as frequency rises, and less and less. Well above every resonance, and
-# many turns of their phase up, the interference fades out smoothly over a decade, within the tolerance below.
-ABOVE, TURNS, FADE = 10.0, 50.0, 10.0
+# Designs and panels at work at once.
+DESIGNS, TOGETHER = 64, 256
 
-# In a linear system of any kind both axles may move an output through one integration only, and interfere for longer.
-ABOVE_ANY = 30.0
-
-# Relative to each variance, but no finer than to what the wheels would give alone, where their effects cancel.
-RELATIVE, CANCELLED = 1e-7, 1e-12
+NODES = 16
+X, WEIGHTS = legendre.leggauss(NODES)
+ORDER = np.arange(NODES)
+# Legendre coefficients of what has such values at the nodes; and of it, its slope and its curvature at 1.
+SERIES = (ORDER[:, None] + 0.5) * legendre.legvander(X, NODES - 1).T * WEIGHTS
+AT_END = np.stack([ORDER**0, ORDER * (ORDER + 1) / 2, (ORDER - 1) * ORDER * (ORDER + 1) * (ORDER + 2) / 8]) @ SERIES
 
 
-def spectral_variances(flat: RoadVehicle, space: DesignSpace, road: Road) -> NDArray[np.float64]:
+def spectral_variances(flat: RoadVehicle, space: DesignSpace, road: Road) -> Array:
     """Integrate ``S_y(f) df`` over all frequencies: variances (designs, outputs) of all outputs of all designs.
 
-    Adaptive Gauss-Kronrod cubature in log frequency with breaks at the resonances. An output that passes the road's
-    velocity straight on has no finite variance unless the waviness exceeds 3.
+    An output that passes the road's velocity straight on has no finite variance unless the waviness exceeds 3.
     """
-    return np.stack([_variances(flat.select(slice(i, i + 1)), road.one(i)) for i in range(space.size)])
+    groups = [slice(first, min(first + DESIGNS, space.size)) for first in range(0, space.size, DESIGNS)]
+    shown = tracked(groups, "integrating", len(groups) > 1)
+    return np.concatenate([_variances(flat.select(some), road.select(some), some.stop - some.start) for some in shown])
 
 
-def _variances(vehicle: RoadVehicle, road: Road) -> NDArray[np.float64]:
-    model = vehicle.assemble()
-    check_stationary(vehicle, road, model)
-    infinite = infinite_outputs(model, processes(vehicle, road), road).reshape(-1)
-    span = np.geomspace(1e-3, 1e3, 1000)
-    density = np.sum(np.abs(model.transfer(2.0 * np.pi * span)) ** 2, axis=-1) * road.intensity
-    scale = np.trapezoid(density, span, axis=-2).reshape(-1)
-    scale[scale == 0.0] = 1.0
+def _variances(flat: RoadVehicle, road: Road, designs: int) -> Array:
+    model = flat.assemble()
+    check_stationary(flat, road, model)
+    infinite = infinite_outputs(model, processes(flat, road), road)
+    infinite = np.broadcast_to(infinite, (designs, infinite.shape[-1]))
+    marked = marks(flat, model, road, designs)
+    panels, total, size = marked.panels(), np.zeros(infinite.shape), np.zeros(infinite.shape)
+    for halvings in range(ROUNDS + 1):
+        integral, error, alone = _integrals(flat, model, road, marked, panels)
+        if not halvings:
+            np.add.at(size, panels.design, alone)
+        so_far = total.copy()
+        np.add.at(so_far, panels.design, integral)
+        allowed = RELATIVE * np.abs(so_far) + CANCELLED * size + np.finfo(float).tiny
+        over = np.where(infinite, 0.0, 1.0 / allowed)[panels.design] * error
+        bad = np.any(over > 1.0, axis=1)
+        if not bad.any() or halvings == ROUNDS:
+            break
+        np.add.at(total, panels.design[~bad], integral[~bad])
+        panels = panels.some(bad).halved()
+    if over.max() * RELATIVE > REFUSED:
+        raise ValueError(f"{type(flat).__name__}: the integral over the spectrum did not converge to {REFUSED:g}")
+    return np.where(infinite, np.inf, so_far)
 
-    resonances = np.abs(np.linalg.eigvals(model.A)) / (2.0 * np.pi)
-    turn = road.speed / (2.0 * np.pi * float(np.max(vehicle.wheelbase))) if np.any(vehicle.wheelbase) else 0.0
-    above = ABOVE if model.second_order else ABOVE_ANY
-    fading = max(above * resonances.max(), TURNS * turn)
 
-    def integrand(u: NDArray) -> NDArray:
-        f = np.exp(u[:, 0])
-        fade = np.clip(np.log(f / fading) / np.log(FADE), 0.0, 1.0)
-        density = output_density(vehicle, model, road, f, np.cos(0.5 * np.pi * fade) ** 2).reshape(len(f), -1)
-        return np.where(infinite, 0.0, density) * f[:, None] / scale
+def _integrals(flat: RoadVehicle, model: Model, road: Road, marked: Marks, panels: Panels) -> list[Array]:
+    """What `_integral` says of all panels."""
+    found = []
+    for first in range(0, len(panels.design), TOGETHER):
+        some = panels.some(slice(first, first + TOGETHER))
+        if len(marked.high) == 1:
+            found.append(_integral(flat, model, road, marked, some))
+        else:
+            vehicle = flat.select(some.design)
+            found.append(_integral(vehicle, vehicle.assemble(), road.select(some.design), marked, some))
+    return list(map(np.concatenate, zip(*found, strict=True)))
 
-    lowest, highest = np.log(LOWEST if road.slopes[0] < 3.0 else LOWEST_OF_STEEP), np.log(HIGHEST)
-    result = cubature(
-        integrand,
-        [lowest],
-        [highest],
-        rule="gk21",
-        rtol=RELATIVE,
-        atol=CANCELLED,
-        max_subdivisions=20000,
-        points=[np.array([u]) for u in np.unique(np.log(resonances).round(6))],
-    )
-    if result.status != "converged" and np.any(result.error > 1e-6 * np.abs(result.estimate) + CANCELLED):
-        raise ValueError(f"{type(vehicle).__name__}: the integral over the spectrum did not converge to 1e-6")
-    return np.where(infinite, np.inf, scale * result.estimate)
+
+def _integral(
+    vehicle: RoadVehicle, model: Model, road: Road, marked: Marks, panels: Panels
+) -> tuple[Array, Array, Array]:
+    """Integrals over panels, their errors, and what wheels would give one by one, (P, outputs)."""
+    where, start, end = marked.where(panels), np.exp(panels.start), np.exp(panels.end)
+    linear = where[:, None] == BETWEEN
+    half = np.where(where == BETWEEN, 0.5 * (end - start), panels.half)
+    in_log = np.exp(panels.centre[:, None] + panels.half[:, None] * X)
+    omega = np.where(linear, 0.5 * (start + end)[:, None] + half[:, None] * X, in_log)
+    scale = (np.where(linear, 1.0, omega) / (2.0 * np.pi))[..., None]
+    weights = half[:, None] * WEIGHTS
+    H = model.relative_transfer(omega)
+    found = effects(vehicle, model, road, omega / (2.0 * np.pi), H)
+    below, further = np.flatnonzero(where == BELOW), np.flatnonzero(where != BELOW)
+    density = np.zeros(H.shape[:-1])
+    for effect in found:
+        density[below] += effect.velocity[below] * squared(effect.at(below).whole)
+        density[further] += effect.velocity[further] * sum(map(squared, effect.at(further).each))
+    integral, error = _summed(weights, scale * density), _left_out(scale * density, half, np.zeros(len(half)))
+    alone = _summed(weights, scale * found[0].velocity * squared(H).sum(axis=-1))
+    last = (where == BETWEEN) & (panels.end == marked.high[panels.design])
+    for effect in (effect.at(further) for effect in found if len(further) and len(effect.taus) > 1):
+        for (first, one), (second, other) in combinations(zip(effect.taus, effect.each, strict=True), 2):
+            tau = np.broadcast_to(second - first, (len(further), 1, 1))[:, 0]
+            turning = _turning(half[further, None], start[further, None], end[further, None], last[further], tau)
+            above = where[further] == ABOVE
+            turning[above] = np.where(tau[above] == 0.0, weights[further][above], 0.0)
+            cross = 2.0 * scale[further] * effect.velocity * one.conj() * other
+            integral[further] += _summed(turning, cross).real
+            error[further] += np.where(above[:, None], 0.0, _left_out(cross, half[further], half[further] * tau[:, 0]))
+    return integral, error, alone
+
+
+def _turning(half: Array, start: Array, end: Array, last: NDArray[np.bool_], tau: Array) -> NDArray[np.complex128]:
+    """Weights (P, NODES) of ``int C(w) exp(-j w tau) dw`` over panels, and from the last of them on."""
+    turn = (-1j) ** ORDER * spherical_jn(ORDER, half * tau)
+    weights = 2.0 * half * np.exp(-0.5j * (start + end) * tau) * (turn @ SERIES)
+    last = last & (tau[:, 0] > 0.0)
+    h, by, at_end = half[last], 1.0 / (1j * tau[last]), np.exp(-1j * end[last] * tau[last])
+    weights[last] += at_end * (by * AT_END[0] + by**2 / h * AT_END[1] + by**3 / h**2 * AT_END[2])
+    return np.asarray(weights)
+
+
+def _summed(weights: NDArray, values: NDArray) -> NDArray:
+    """Weighted sums (P, outputs) of values (P, NODES, outputs)."""
+    return np.asarray((weights[:, None, :] @ values)[:, 0])
+
+
+def _left_out(values: NDArray, half: Array, turns: Array) -> Array:
+    """Estimates (P, outputs) of what quadrature leaves out, whose Legendre coefficients go on as the last ones fall.
+
+    By Gauss's rule those from twice the number of nodes on, or, the more ``turns`` (P,) of phase there are, from that
+    number on.
+    """
+    last = np.abs(SERIES[-2:] @ values).max(axis=1)
+    peak = np.abs(values).max(axis=1)
+    fallen = np.divide(last, peak, out=np.zeros_like(peak), where=peak > 0.0)
+    return np.asarray(2.0 * half[:, None] * peak * fallen ** (2.0 - np.minimum(turns / NODES, 1.0))[:, None])

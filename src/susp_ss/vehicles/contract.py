@@ -62,7 +62,10 @@ class Model(Protocol):
         ...
 
     def relative_transfer(self, omega: Array) -> Array:
-        """Outputs per road velocity at ``omega`` (F,) without what integrates, (designs..., F, outputs, inputs)."""
+        """Outputs per road velocity without what integrates, (designs..., F, outputs, inputs), at ``omega``.
+
+        That is (F,), or (designs, F).
+        """
         ...
 
     def transfer(self, omega: Array) -> Array:

@@ -68,14 +68,14 @@ class LinearModel:
         return self.A, self.A @ self.B, self.C, D, self.on_road_velocity
 
     def relative_transfer(self, omega: Array) -> Array:
-        """``C (j w I - A)^-1 B + D`` at ``omega`` (F,), (N, F, outputs, inputs)."""
-        s = 1j * np.asarray(omega, dtype=float)[:, None, None]
+        """``C (j w I - A)^-1 B + D`` at ``omega`` (F,) or (N, F), (N, F, outputs, inputs)."""
+        s = 1j * np.asarray(omega, dtype=float)[..., None, None]
         x = np.linalg.solve(s * np.eye(self.A.shape[-1]) - self.A[:, None], self.B[:, None].astype(complex))
         return np.asarray(self.C[:, None] @ x + self.on_road_velocity[:, None])
 
     def transfer(self, omega: Array) -> Array:
         """The same with what integrates."""
-        s = 1j * np.asarray(omega, dtype=float)[:, None, None]
+        s = 1j * np.asarray(omega, dtype=float)[..., None, None]
         return np.asarray(self.relative_transfer(omega) + (self.on_integrators @ self.integrators)[:, None] / s)
 
     def in_states(self, X: Array) -> Array:

@@ -269,24 +269,27 @@ class SecondOrder:
         return np.concatenate([np.zeros_like(push), push], axis=-2), D
 
     def relative_transfer(self, omega: Array) -> Array:
-        """Outputs per road VELOCITY at angular frequencies ``omega`` (F,), as (designs..., F, outputs, inputs).
+        """Outputs per road VELOCITY at angular frequencies ``omega``, as (designs..., F, outputs, inputs).
+
+        ``omega`` is (F,), or (designs, F).
 
         The static warp, which grows as ``1/s``, is left out.
         With ``D = K + s C + s^2 M`` and ``s = j w``, the road-relative positions solve ``D p = C_in - C G - s M G`` and
         the velocities ``D v = K_in + s C_in``: either right-hand side alone would lose the other's digits at one
         end of the frequency axis.
         """
-        s = 1j * np.asarray(omega, dtype=float)[:, None, None]
+        s = 1j * np.asarray(omega, dtype=float)[..., None, None]
         M = self.m[..., None, :, None] * np.eye(len(self.layout.coordinates))
         K, C, G, C_in, K_in = (x[..., None, :, :] for x in (self.K, self.C, self.G, self.C_in, self.K_in))
-        right = np.concatenate(np.broadcast_arrays(C_in - C @ G - s * (M @ G), K_in + s * C_in), axis=-1)
+        right = np.concatenate([C_in - C @ G - s * (M @ G), K_in + s * C_in], axis=-1)
         p, v = np.split(np.linalg.solve(K + s * (C + s * M), right), 2, axis=-1)
-        H = self.on_position[..., None, :, :] @ p + self.on_velocity[..., None, :, :] @ v
+        Y = np.concatenate([self.on_position, self.on_velocity], axis=-1)
+        H = Y[..., None, :, :] @ np.concatenate([p, v], axis=-2)
         return np.asarray(H + self.on_road_velocity[..., None, :, :])
 
     def transfer(self, omega: Array) -> Array:
         """The same with the static warp."""
-        s = 1j * np.asarray(omega, dtype=float)[:, None, None]
+        s = 1j * np.asarray(omega, dtype=float)[..., None, None]
         return np.asarray(self.relative_transfer(omega) + (self.on_integrators @ self.integrators)[..., None, :, :] / s)
 
     def in_states(self, X: Array) -> Array:

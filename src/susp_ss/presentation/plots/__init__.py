@@ -5,6 +5,7 @@ draws on Axes of your own where ``ax`` gives them, one for each panel. ``Describ
 notebook with alternative text.
 """
 
+from .comfort import comfort, third_octaves
 from .described import Described
 from .designs import carpet
 from .fitted import fitted_map
@@ -27,6 +28,7 @@ __all__ = [
     "bode",
     "bode_magnitude",
     "carpet",
+    "comfort",
     "error_map",
     "fitted_map",
     "learning_curves",
@@ -40,4 +42,5 @@ __all__ = [
     "scenario_scan",
     "steering",
     "study_curves",
+    "third_octaves",
 ]
