@@ -38,7 +38,15 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
             "read_profile",
             "synthesise",
         ],
-        "responses": ["frequency_response", "peaks", "psd", "simulate"],
+        "responses": [
+            "coherence",
+            "frequency_response",
+            "invariant_points",
+            "peaks",
+            "psd",
+            "simulate",
+            "transmissibility",
+        ],
         "responses.covariance": ["covariance", "linearised"],
         "metrics": [
             "Comfort",

@@ -173,6 +173,42 @@ def test_bode_peaks(answer):
     assert {row[0]: row[2] for row in rows} == {"bacc": "m/s²/m", "sws": "m/m", "dtl": "N/m"}
 
 
+def test_psd_equals_the_library(answer, here):
+    grid = ["--from", "0.01", "--to", "100", "--points", "900"]
+    rows = ["--output", "bacc_driver,roll_acc", "--output", "sws_rr"]
+    more = ["--point", "driver=0.3,0.4", "--weighting", "bacc=Wk", "--speed", "15", "--cs", "1800"]
+    document = json.loads(answer("psd", *rows, *grid, *more, "--out", "out", "--json"))
+    f, road = np.geomspace(0.01, 100.0, 900), ss.Road.iso8608("B", speed=15.0, tracks="isotropic")
+    car = ss.FullCar(cs=1800.0).with_points({"driver": (0.3, 0.4)})
+    expected = ss.psd(car, road, f)
+    with open(here / "out/psd.csv", newline="", encoding="utf-8") as file:
+        header, *lines = csv.reader(file)
+    columns = np.array(lines, dtype=float).T
+    assert header == [
+        "frequency (Hz)",
+        "bacc_driver ((m/s^2)^2/Hz)",
+        "roll_acc ((rad/s^2)^2/Hz)",
+        "sws_rr (m^2/Hz)",
+    ]
+    ride = ss.ride_metrics(car, road, weighting={"bacc": "Wk"})
+    rms = [ride.bacc.sel(point="driver"), ride.roll_acc, ride.sws.sel(corner="rr")]
+    assert [one.get("weighting") for one in document["spectra"]] == ["Wk", None, None]
+    for one, column, metric in zip(document["spectra"], columns[1:], rms, strict=True):
+        W = np.abs(ss.weighting("Wk")(2j * np.pi * f)) ** 2 if "weighting" in one else 1.0
+        np.testing.assert_array_equal(one["values"], column)
+        np.testing.assert_allclose(column, W * expected.sel(output=one["output"]), rtol=1e-10)
+        assert one["rms"]["value"] == pytest.approx(metric.item(), rel=2e-3)
+    assert (here / "out/psd.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_psd_peaks(answer):
+    table = answer("psd", "--model", "quarter", "--weighting", "Wk")
+    rows = [[cell.strip() for cell in line.strip("│").split("│")] for line in table.splitlines() if line[0] == "│"]
+    assert [row[:3] for row in rows if row[0]] == [["bacc", "Wk", "m/s²"], ["sws", "", "m"], ["dtl", "", "N"]]
+    hop = ss.psd(ss.QuarterCar(), ROAD, np.geomspace(5.0, 20.0, 4000)).sel(output="dtl").idxmax("frequency").item()
+    assert any(float(row[4]) == pytest.approx(hop, rel=0.02) for row in rows)
+
+
 def test_bode_keeps_results_unless_forced(run, answer, here):
     folder = here / "out"
     answer("bode", "--out", "out")
@@ -312,6 +348,10 @@ REFUSED = {
     "no input": ("bode --input ,", "--input names none", "z_r_fr"),
     "empty class": ("metrics --road-class=", "A, B, C, D, E, F, G, H", "''"),
     "unknown input": ("bode --input z_r", "no input named 'z_r'", "z_r_fr"),
+    "unknown output of psd": ("psd --output bacc", "no output named 'bacc'", "bacc_cg"),
+    "unknown weighting of psd": ("psd --weighting Wx", "no weighting named 'Wx'"),
+    "no span of psd": ("psd --from 5 --to 5", "--from and --to"),
+    "point of a quarter car": ("psd --model quarter --point driver=0,0", "moves as one point"),
     "folder is a file": ("bode --out bad.toml", "--out bad.toml is a file"),
     "folder in a file": ("bode --out bad.toml/out", "bad.toml"),
     "empty grid": ("study --nodes 1", "nodes"),
@@ -370,7 +410,7 @@ def test_a_bug_keeps_its_traceback(error, monkeypatch, capsys):
     assert capsys.readouterr().err == ""
 
 
-@pytest.mark.parametrize("command", ["study", "metrics", "bode"])
+@pytest.mark.parametrize("command", ["study", "metrics", "bode", "psd"])
 def test_help_states_units(command, answer):
     words = answer(command, "--help")
     assert "m/s" in words
@@ -381,6 +421,7 @@ def test_nothing_is_written_unasked(answer, here):
     answer("metrics", "--json")
     answer("bode")
     answer("bode", "--json")
+    answer("psd", "--json")
     assert list(here.iterdir()) == []
 
 

@@ -203,6 +203,17 @@ def test_one_output_of_the_bode_plot_fits_a_column():
     assert np.abs(np.diff(phase)).max() < 40.0
 
 
+def test_spectra_of_any_outputs():
+    f, outputs = np.geomspace(0.1, 50.0, 60), ["bacc_cg", "pitch_acc", "sws_fr", "dtl_rl"]
+    S = ss.psd(ss.FullCar(), ROAD, f).sel(output=outputs)
+    figure = plots.spectra({"full car": S, "twice as rough": 4.0 * S})
+    assert_whole(figure)
+    labels = ["bacc_cg ((m/s²)²/Hz)", "pitch_acc ((rad/s²)²/Hz)", "sws_fr (mm²/Hz)", "dtl_rl (N²/Hz)"]
+    assert [axes.get_ylabel() for axes in figure.axes][:4] == labels
+    for axes, output, one in zip(figure.axes, outputs, (1.0, 1.0, 1e-3, 1.0), strict=False):
+        np.testing.assert_allclose(axes.lines[1].get_ydata(), 4.0 * S.sel(output=output) / one**2)
+
+
 def test_five_curves_are_refused_not_dropped():
     (name, curve), *_ = plots.study_curves("fr").items()
     with pytest.raises(ValueError, match="at most 4 curves can be told apart, got 5"):
@@ -358,10 +369,12 @@ def test_road_chart_shows_roads_and_profiles_among_the_classes():
 
 def test_pictures_draw_on_given_axes(study):
     curves = plots.study_curves("fr")
+    spectra = {"full car": ss.psd(ss.FullCar(), ROAD, [1.0, 10.0]).sel(output=["sws_fr", "bacc_cg"])}
     for draw, shape in [
         (lambda ax: plots.bode(curves, ax), (2, 3)),
         (lambda ax: plots.bode_magnitude(curves, ax), (1, 3)),
         (lambda ax: plots.psd(CARS, ROAD, ax=ax), (1, 3)),
+        (lambda ax: plots.spectra(spectra, ax), (1, 2)),
         (lambda ax: plots.mode_shapes(ss.QuarterCar(), ax=ax), (1, 2)),
         (lambda ax: plots.mode_shape(ss.FullCar(), 0, ax=ax), (1, 1)),
         (lambda ax: plots.carpet(grid_of_designs(), ax=ax), (1, 1)),
@@ -378,3 +391,59 @@ def test_pictures_draw_on_given_axes(study):
     assert plots.response_surfaces(study, "VB", ["bacc", "sws"], axes) is figure
     with pytest.raises(TypeError, match="ax must be matplotlib Axes, got 3"):
         plots.bode(curves, 3)
+
+
+def over_a_bump(car, **how):
+    return ss.simulate(car, ss.obstacle("bump"), speed=8.0, step=0.004, positions=True, **how)
+
+
+@pytest.mark.parametrize("car", [ss.QuarterCar(), ss.RigidTyreQuarterCar(), ss.RollHalfCar(), ss.ThreeAxleTruck()])
+def test_a_ride_is_drawn_where_everything_is(car):
+    history = over_a_bump(car)
+    figure = plots.ride(car, history, [1.0, 1.2])
+    assert_whole(figure)
+    first = next(iter(car.wheels))
+    at = history.sel(time=1.2, method="nearest")
+    body = at.z_s.sel(point=first) if "point" in at.dims else at.z_s
+    hub = at.z_u if "z_u" in at else at.z_r
+    hub = hub.sel(corner=first) if "corner" in hub.dims else hub
+    large = float(figure.axes[0].get_ylabel().removeprefix("heights × ") if "×" in figure.axes[0].get_ylabel() else 1.0)
+    drawn = [line.get_xydata() for line in figure.axes[1].lines]
+    # The strut of the first wheel on the right stands from its hub to the body, where the first axle is.
+    strut = next(points for points in drawn if len(points) % 3 == 0 and np.isnan(points[2]).all() and len(points) < 30)
+    right = [points for points in drawn if len(points) == len(strut) and np.isnan(points[2]).all()][-1]
+    np.testing.assert_allclose(right[:2, 0], at.x)
+    np.testing.assert_allclose(right[:2, 1], [0.3 + large * hub, 0.95 + large * body])
+    felt = figure.axes[-3].lines[0].get_ydata()
+    np.testing.assert_allclose(felt, np.atleast_2d(history.bacc)[0])
+
+
+def test_a_moving_picture_of_a_ride():
+    car = ss.FullCar()
+    history = over_a_bump(car).isel(time=slice(0, 60))
+    animation = plots.ride_animation(car, history, slower=2.0)
+    lines = animation._func(30)
+    assert len(lines) == 6
+    assert lines[0].axes.get_title() == "0.12 s"
+    assert lines[0].get_xdata()[0] == pytest.approx(history.x[30])
+    animation._draw_was_started = True
+
+
+@pytest.mark.parametrize(
+    ("draw", "error", "words"),
+    [
+        (lambda car, over: plots.ride(car, over.drop_vars("z_s")), ValueError, "positions=True.* got no z_s"),
+        (lambda car, over: plots.ride(car, over.drop_vars("x")), ValueError, "got no x"),
+        (lambda car, over: plots.ride(ss.QuarterCar(), over), ValueError, "of this one QuarterCar"),
+        (lambda car, over: plots.ride(car, 3), TypeError, "history must be what simulate"),
+        (lambda car, over: plots.ride(3, over), TypeError, "vehicle must be one whose body is known"),
+        (lambda car, over: plots.ride(car, over.expand_dims("ks")), ValueError, "got dims"),
+        (lambda car, over: plots.ride(car, over, [99.0]), ValueError, "instants must be how many, or times from 0 to"),
+        (lambda car, over: plots.ride(car, over, 0), ValueError, "instants must be"),
+        (lambda car, over: plots.ride_animation(car, over, slower=0.0), ValueError, "slower must be a number > 0"),
+    ],
+)
+def test_rides_that_cannot_be_drawn(draw, error, words):
+    car = ss.PitchHalfCar()
+    with pytest.raises(error, match=words):
+        draw(car, over_a_bump(car))

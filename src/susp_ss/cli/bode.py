@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from ..quantities import Quantity, per_input, signal, typeset
+from ..quantities import per_input, signal, typeset
 from .folder import check_folder, write_together
-from .options import Force, Json, built_from, counted, measured, names, print_table, vehicle_options
-from .refusals import Refusal, refusals
+from .options import Force, Json, built_from, print_table, vehicle_options
+from .over_frequency import Output, chosen, csv_text, frequencies
+from .refusals import refusals
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,20 +22,12 @@ if TYPE_CHECKING:
 
 TABLE, FIGURE = "bode.csv", "bode.png"
 
-FREQUENCY = Quantity("frequency", "Hz", "frequency", bound="> 0")
 
-
-@built_from(vehicle=vehicle_options())
+@built_from(vehicle=vehicle_options(), frequency=frequencies)
 def run(
     vehicle: "Vehicle",
-    output: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME,...",
-            help="What moves, such as bacc_cg, sws_fr or pitch_acc; may be repeated.",
-            show_default="bacc, sws and dtl at the first wheel",
-        ),
-    ] = None,
+    frequency: "NDArray",
+    output: Output = None,
     input: Annotated[
         list[str] | None,
         typer.Option(
@@ -44,9 +37,6 @@ def run(
             show_default="the first wheel",
         ),
     ] = None,
-    lowest: Annotated[str, typer.Option("--from", metavar="Hz", help="Lowest frequency.")] = "0.1",
-    highest: Annotated[str, typer.Option("--to", metavar="Hz", help="Highest frequency.")] = "50",
-    points: Annotated[int, counted("Frequencies, evenly on a log scale.")] = 500,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -64,32 +54,15 @@ def run(
     roll_acc (rad/s^2). Phase in degrees, continuous over frequency.
     With --model ride-handling also per rad of a steering angle (--input delta_f).
     """
-    import numpy as np
-
     from .. import frequency_response
 
-    low, high = measured("--from", lowest, FREQUENCY, True), measured("--to", highest, FREQUENCY, True)
-    if not 0.0 < low < high < float("inf"):
-        raise Refusal(f"--from and --to must be 0 < from < to in Hz, got {low:g} and {high:g}")
-    if points < 2:
-        raise Refusal(f"--points must be >= 2, got {points}")
     if out is not None:
         check_folder(out, (TABLE, FIGURE), force)
     with refusals():
-        response = frequency_response(vehicle, np.geomspace(low, high, points))
+        response = frequency_response(vehicle, frequency)
     first = next(iter(vehicle.wheels))
-    wanted = {
-        "output": names(output) if output else tuple(signal(kind, first) for kind in ("bacc", "sws", "dtl")),
-        "input": names(input) if input else (signal("z_r", first),),
-    }
-    for dim, chosen in wanted.items():
-        available = response[dim].values.tolist()
-        if not chosen:
-            raise Refusal(f"--{dim} names none, available: {', '.join(available)}")
-        for name in chosen:
-            if name not in available:
-                raise Refusal(f"--{dim}: no {dim} named {name!r}, available: {', '.join(available)}")
-    response = response.sel({dim: list(dict.fromkeys(chosen)) for dim, chosen in wanted.items()})
+    response = chosen(response, "output", output, tuple(signal(kind, first) for kind in ("bacc", "sws", "dtl")))
+    response = chosen(response, "input", input, (signal("z_r", first),))
     if out is not None:
         with refusals():
             table, figure = _csv(response), _figure(vehicle, response)
@@ -120,8 +93,7 @@ def _csv(response: "xr.DataArray") -> str:
     for output, input, unit, magnitude, phase in _curves(response):
         header += [f"|{output}/{input}| ({unit})", f"phase {output}/{input} (deg)"]
         columns += [magnitude.tolist(), phase.tolist()]
-    rows = [header, *([repr(number) for number in row] for row in zip(*columns, strict=True))]
-    return "".join(",".join(row) + "\n" for row in rows)
+    return csv_text(header, columns)
 
 
 def _document(vehicle: "Vehicle", response: "xr.DataArray") -> dict[str, Any]:

@@ -11,7 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..quantities import briefly
 from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
+from ..vehicles.parameters import blocks
 from .excitation import check_kinds, delays, integrated, processes, spanned
+
+# Numbers that are at work at once.
+TOGETHER = 5e4
 
 
 def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArray:
@@ -50,15 +54,17 @@ def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArr
     """
     check_kinds(vehicle)
     f = checked_frequency(frequency)
-    space = vehicle.design_space()
-    model = vehicle.flattened(space).assemble()
-    public, inputs = model.layout.outputs.public, (*model.layout.inputs, *model.layout.controls)
-    outputs = model.layout.outputs.names[public]
-    omega = 2.0 * np.pi * f
-    H = 1j * omega[:, None, None] * model.transfer(omega)
-    if model.layout.controls:
-        H = np.concatenate([H, _controlled(model, omega)], axis=-1)
-    H = np.broadcast_to(np.moveaxis(H, -3, -1)[..., public, :, :], (space.size, len(outputs), len(inputs), len(f)))
+    space, layout = vehicle.design_space(), vehicle.layout()
+    flat, omega = vehicle.flattened(space), 2.0 * np.pi * f
+    public, inputs = layout.outputs.public, (*layout.inputs, *layout.controls)
+    outputs = layout.outputs.names[public]
+    H = np.empty((space.size, len(outputs), len(inputs), len(f)), dtype=complex)
+    for part in blocks(space.size, int(TOGETHER // (len(layout.outputs) * len(inputs) * len(f)) + 1)):
+        model = flat.select(part).assemble()
+        found = 1j * omega[:, None, None] * model.transfer(omega)
+        if layout.controls:
+            found = np.concatenate([found, _controlled(model, omega)], axis=-1)
+        H[part] = np.moveaxis(found, -3, -1)[..., public, :, :]
     labels = {"output": list(outputs), "input": list(inputs), "frequency": f}
     result = space.unflatten(H, ("output", "input", "frequency"), labels).rename("frequency_response")
     result.frequency.attrs["units"] = "Hz"
@@ -74,7 +80,7 @@ def _controlled(model: Model, omega: NDArray) -> NDArray:
     return np.asarray(Y[..., None, :, :] @ x + D[..., None, :, :])
 
 
-def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
+def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike, cross: bool = False) -> xr.DataArray:
     """One-sided spectrum of every output on a random road.
 
     ``S_y(f) = sum over processes |H(f) sum_j b_j e^(-j w tau_j)|^2 G(f)``, the processes being the mean and the half
@@ -88,11 +94,15 @@ def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
         Any waviness, any tracks.
     frequency : array_like, (F,)
         Hz, > 0.
+    cross : bool
+        Cross-spectra of any two outputs as well, ``S_yz = E[Y Z*]``: its phase is how far ``output`` is ahead of
+        ``output_``, as in ``scipy.signal.csd(output_, output)``.
 
     Returns
     -------
     xarray.DataArray
-        On (sweep..., output, frequency), in output unit squared per Hz.
+        On (sweep..., output, frequency), in output unit squared per Hz; with ``cross`` complex on (sweep..., output,
+        output_, frequency), a Hermitian matrix at each frequency.
 
     Raises
     ------
@@ -111,14 +121,28 @@ def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.DataArray:
     check_kinds(vehicle, road)
     f = checked_frequency(frequency)
     space, flat, road = spanned(vehicle, road)
-    model = flat.assemble()
-    public = model.layout.outputs.public
-    outputs = model.layout.outputs.names[public]
-    S = np.moveaxis(output_density(flat, model, road, f), -2, -1)[..., public, :]
-    S = np.broadcast_to(S, (space.size, len(outputs), len(f)))
-    result = space.unflatten(S, ("output", "frequency"), {"output": list(outputs), "frequency": f}).rename("psd")
+    table = vehicle.layout().outputs
+    outputs = list(table.names[table.public])
+    dims = ("output", "output_") if cross else ("output",)
+    S = np.empty((space.size, *(len(outputs) for _ in dims), len(f)), dtype=complex if cross else float)
+    for part in blocks(space.size, int(TOGETHER // (S[0].size + 1) + 1)):
+        some = flat.select(part)
+        wholes = _wholes(some, some.assemble(), road.select(part), f)
+        found: Any = sum(map(_outer if cross else squared, wholes))
+        S[part] = np.moveaxis(found, -1 - len(dims), -1)
+    result = space.unflatten(S, (*dims, "frequency"), {**dict.fromkeys(dims, outputs), "frequency": f}).rename("psd")
     result.frequency.attrs["units"] = "Hz"
     return result
+
+
+def _wholes(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray) -> list[NDArray]:
+    """What each process does to the public outputs, (designs..., F, outputs), in roots of their densities per Hz."""
+    found = effects(vehicle, model, road, f, model.relative_transfer(2.0 * np.pi * f))
+    return [(np.sqrt(effect.velocity) * effect.whole)[..., model.layout.outputs.public] for effect in found]
+
+
+def _outer(whole: NDArray) -> NDArray:
+    return np.asarray(whole[..., :, None] * whole[..., None, :].conj())
 
 
 class Effect(NamedTuple):
@@ -192,12 +216,6 @@ def effects(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, H: NDArr
         late = [taus[axle] for axle in process.axles]
         found.append(Effect((share * velocity)[..., None], s, late, alone, warps, warped(drift) if warps else None))
     return found
-
-
-def output_density(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray) -> NDArray[np.float64]:
-    """One-sided densities per Hz of all outputs of a flattened vehicle, (designs..., F, outputs)."""
-    found = effects(vehicle, model, road, f, model.relative_transfer(2.0 * np.pi * f))
-    return np.asarray(sum(effect.velocity * squared(effect.whole) for effect in found))
 
 
 def squared(z: NDArray) -> NDArray[np.float64]:

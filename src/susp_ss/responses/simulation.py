@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..progress import tracked
 from ..quantities import briefly, positive
 from ..vehicles.contract import Model, RoadVehicle
+from ..vehicles.parameters import blocks
 from .excitation import check_kinds
 from .first_order_hold import FirstOrderHold, joined
 from .labels import labelled_outputs
@@ -187,7 +188,7 @@ def _groups(flat: RoadVehicle, designs: int) -> list[slice]:
     """Designs that are driven together: one with curves, else so many as keep a stretch near the processor."""
     layout = flat.layout()
     many = 1 if flat.curved else int(TOGETHER // (len(layout.outputs) + len(layout.states)) + 1)
-    return [slice(first, min(first + many, designs)) for first in range(0, designs, many)]
+    return blocks(designs, many)
 
 
 def _linear(part: Any, z: Array, t: Array, controls: Array | None, positions: bool) -> Iterator[Array]:

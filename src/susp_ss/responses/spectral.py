@@ -19,7 +19,7 @@ from scipy.special import spherical_jn
 from ..progress import tracked
 from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
-from ..vehicles.parameters import DesignSpace
+from ..vehicles.parameters import DesignSpace, blocks
 from .excitation import check_stationary, infinite_outputs, processes
 from .frequency import effects, squared
 from .panels import ABOVE, BELOW, BETWEEN, Marks, Panels, marks
@@ -46,7 +46,7 @@ def spectral_variances(flat: RoadVehicle, space: DesignSpace, road: Road) -> Arr
 
     An output that passes the road's velocity straight on has no finite variance unless the waviness exceeds 3.
     """
-    groups = [slice(first, min(first + DESIGNS, space.size)) for first in range(0, space.size, DESIGNS)]
+    groups = blocks(space.size, DESIGNS)
     shown = tracked(groups, "integrating", len(groups) > 1)
     return np.concatenate([_variances(flat.select(some), road.select(some), some.stop - some.start) for some in shown])
 
@@ -79,8 +79,8 @@ def _variances(flat: RoadVehicle, road: Road, designs: int) -> Array:
 def _integrals(flat: RoadVehicle, model: Model, road: Road, marked: Marks, panels: Panels) -> list[Array]:
     """What `_integral` says of all panels."""
     found = []
-    for first in range(0, len(panels.design), TOGETHER):
-        some = panels.some(slice(first, first + TOGETHER))
+    for part in blocks(len(panels.design), TOGETHER):
+        some = panels.some(part)
         if len(marked.high) == 1:
             found.append(_integral(flat, model, road, marked, some))
         else:

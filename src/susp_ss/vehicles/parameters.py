@@ -215,3 +215,8 @@ class SomeDesigns(NamedTuple):
     def place(self, design: int) -> str:
         """Where one of them lies in the whole space."""
         return self.space.place(int(self.designs[design]))
+
+
+def blocks(size: int, length: int) -> list[slice]:
+    """Parts of so many designs that are no longer than ``length``."""
+    return [slice(first, min(first + length, size)) for first in range(0, size, length)]

@@ -278,19 +278,21 @@ class SecondOrder:
         the velocities ``D v = K_in + s C_in``: either right-hand side alone would lose the other's digits at one
         end of the frequency axis.
         """
-        s = 1j * np.asarray(omega, dtype=float)[..., None, None]
-        M = self.m[..., None, :, None] * np.eye(len(self.layout.coordinates))
+        w = np.asarray(omega, dtype=float)[..., None, None]
+        m = self.m[..., None, :, None]
         K, C, G, C_in, K_in = (x[..., None, :, :] for x in (self.K, self.C, self.G, self.C_in, self.K_in))
-        right = np.concatenate([C_in - C @ G - s * (M @ G), K_in + s * C_in], axis=-1)
-        p, v = np.split(np.linalg.solve(K + s * (C + s * M), right), 2, axis=-1)
-        Y = np.concatenate([self.on_position, self.on_velocity], axis=-1)
-        H = Y[..., None, :, :] @ np.concatenate([p, v], axis=-2)
-        return np.asarray(H + self.on_road_velocity[..., None, :, :])
+        D = complex_of(K - w**2 * (m * np.eye(m.shape[-2])), w * C)
+        right = complex_of(np.concatenate([C_in - C @ G, K_in], axis=-1), w * np.concatenate([-m * G, C_in], axis=-1))
+        p, v = np.split(np.linalg.solve(D, right), 2, axis=-1)
+        Y = np.concatenate([self.on_position, self.on_velocity], axis=-1)[..., None, :, :]
+        return np.asarray(real_times(Y, np.concatenate([p, v], axis=-2)) + self.on_road_velocity[..., None, :, :])
 
     def transfer(self, omega: Array) -> Array:
         """The same with the static warp."""
-        s = 1j * np.asarray(omega, dtype=float)[..., None, None]
-        return np.asarray(self.relative_transfer(omega) + (self.on_integrators @ self.integrators)[..., None, :, :] / s)
+        H, w = self.relative_transfer(omega), np.asarray(omega, dtype=float)[..., None, None]
+        if self.layout.warps:
+            H.imag -= (self.on_integrators @ self.integrators)[..., None, :, :] / w
+        return H
 
     def in_states(self, X: Array) -> Array:
         """A covariance in the states that the layout names, which are those of `velocity_form`."""
@@ -322,6 +324,18 @@ class SecondOrder:
             scale = np.abs(eigenvalues).max(axis=-1)
             unstable[unstable] = eigenvalues.real.max(axis=-1) > -ROUNDING * scale
         return unstable
+
+
+def complex_of(real: Array, imag: Array) -> NDArray[np.complex128]:
+    """A complex array of its parts."""
+    z = np.empty(np.broadcast_shapes(real.shape, imag.shape), dtype=complex)
+    z.real, z.imag = real, imag
+    return z
+
+
+def real_times(A: Array, Z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Real matrices times complex ones, whose real and imaginary parts are columns."""
+    return np.asarray((A @ np.ascontiguousarray(Z).view(float)).view(complex))
 
 
 def beyond_rounding(total: NDArray, terms: NDArray) -> NDArray[np.bool_]:

@@ -9,8 +9,9 @@ from .comfort import comfort, third_octaves
 from .described import Described
 from .designs import carpet
 from .fitted import fitted_map
-from .frequency import bode, bode_magnitude, psd, study_curves
+from .frequency import bode, bode_magnitude, psd, spectra, study_curves
 from .modes import mode_shape, mode_shapes
+from .ride import ride, ride_animation
 from .road import road_chart
 from .scan import scenario_scan
 from .steering import steering
@@ -38,8 +39,11 @@ __all__ = [
     "psd",
     "residuals",
     "response_surfaces",
+    "ride",
+    "ride_animation",
     "road_chart",
     "scenario_scan",
+    "spectra",
     "steering",
     "study_curves",
     "third_octaves",

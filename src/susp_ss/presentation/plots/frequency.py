@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from ...quantities import signal, titled, unit_of
+from ...quantities import METRICS, metric_and_place, signal, titled, typeset, unit_of
 from ...responses.frequency import frequency_response
 from ...responses.frequency import psd as spectrum
 from ...roads.road import Road
@@ -19,12 +19,15 @@ from ...study.published import LABELS
 from ...vehicles.full import FullCar
 from ...vehicles.quarter import QuarterCar
 from ...vehicles.vehicle import Vehicle
-from .style import COLUMN, STYLE, WIDTH, add_grid, add_legend, panels, shown, styled
+from .style import COLUMN, STYLE, WIDTH, Shown, add_grid, add_legend, panels, shown, styled
 
 # Spectra: tyre load in N, whose squares stay readable.
 SPECTRA = {name: shown(name, {"dtl": "N"}.get(name, "")) for name in LABELS}
 
 FREQUENCY = np.geomspace(0.1, 50.0, 400)
+
+# Panels of spectra in a row.
+ABREAST = 3
 
 
 def bode(curves: Mapping[str, xr.DataArray], ax: Any = None, per: str = "m") -> Figure:
@@ -109,16 +112,64 @@ def psd(
     >>> figure.axes[2].get_ylabel()
     'SWS (mm²/Hz)'
     """
-    spectra = {name: _criteria(spectrum(car, road, frequency), corner) for name, car in vehicles.items()}
+    return spectra({name: _criteria(spectrum(car, road, frequency), corner) for name, car in vehicles.items()}, ax)
+
+
+def spectra(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
+    """Spectra over frequency, for one or several vehicles or roads.
+
+    Parameters
+    ----------
+    curves : mapping of str to DataArray
+        For each legend entry what `susp_ss.psd` returns of one design, or some outputs of it: on ``output`` (or
+        ``criterion``) and ``frequency`` (Hz). At most four, all with the same outputs.
+    ax : sequence of Axes, optional
+        One an output.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A panel an output; the area below a curve is the variance.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import susp_ss as ss
+    >>> from susp_ss import plots
+    >>> S = ss.psd(ss.FullCar(), ss.DEFAULT_ROAD, np.geomspace(0.1, 50.0, 200))
+    >>> figure = plots.spectra({"full car": S.sel(output=["bacc_cg", "pitch_acc", "sws_fr"])})
+    >>> [axes.get_ylabel() for axes in figure.axes]
+    ['bacc_cg ((m/s²)²/Hz)', 'pitch_acc ((rad/s²)²/Hz)', 'sws_fr (mm²/Hz)']
+    """
+    first = next(iter(curves.values()))
+    (dim,) = (dim for dim in first.dims if dim != "frequency")
+    outputs = first[dim].values.tolist()
+    rows = -(-len(outputs) // ABREAST)
+    columns = min(len(outputs), ABREAST)
+    size = (COLUMN if columns == 1 else WIDTH, 2.4 * rows + 0.3)
     with mpl.rc_context(STYLE):
-        figure, axes = panels(ax, 1, len(SPECTRA), (WIDTH, 2.7))
-        for here, (criterion, (symbol, unit, one)) in zip(axes.flat, SPECTRA.items(), strict=True):
-            for density, style in styled(spectra):
-                here.loglog(density.frequency, density.sel(criterion=criterion) / one**2, **style)
-            here.set(xlabel="frequency (Hz)", ylabel=titled(symbol, f"{_grouped(unit)}²/Hz"))
+        figure, axes = panels(ax, *((rows, columns) if ax is None else (1, len(outputs))), size)
+        for here, output in zip(axes.flat, outputs, strict=False):
+            symbol, unit, one = _density(output)
+            for density, style in styled(curves):
+                here.loglog(density.frequency, density.sel({dim: output}) / one**2, **style)
+            here.set(xlabel="frequency (Hz)", ylabel=titled(symbol, unit))
             add_grid(here)
-        add_legend(figure, axes[0, 0], inside=ax is not None, columns=4)
+        for spare in axes.flat[len(outputs) :]:
+            spare.set_axis_off()
+        add_legend(figure, axes.flat[0], inside=ax is not None, columns=4)
     return figure
+
+
+def _density(output: str) -> tuple[str, str, float]:
+    """How a density is shown: its symbol, its unit, and SI units in one of what is squared."""
+    if output in SPECTRA:
+        symbol, unit, one = SPECTRA[output]
+    else:
+        metric, _ = metric_and_place(output)
+        of = SPECTRA.get(metric) or (shown(metric) if metric in METRICS else Shown("", typeset(unit_of(output)), 1.0))
+        symbol, unit, one = output, of.unit, of.one
+    return symbol, f"{_grouped(unit)}²/Hz" if unit else "1/Hz", one
 
 
 def bode_magnitude(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from ...roads.road import Road
 from ...vehicles.contract import Model, RoadVehicle
-from ...vehicles.parameters import DesignSpace, SomeDesigns
+from ...vehicles.parameters import DesignSpace, SomeDesigns, blocks
 from ..excitation import Process, processes, vanishing_outputs
 from . import polynomials, struts
 from .compiler import compiler_found
@@ -117,7 +117,7 @@ def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Arra
             found = whole_variances(of(whole), *here)
         variances[:, part], left[part] = found
 
-    first, *others = _blocks(size, long if compiled else block)
+    first, *others = blocks(size, long if compiled else block)
     # What has yet to be compiled is compiled here, where an interrupt reaches it.
     solve(first)
     if compiled:
@@ -127,10 +127,6 @@ def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Arra
         for part in others:
             solve(part)
     return left
-
-
-def _blocks(size: int, length: int) -> list[slice]:
-    return [slice(first, min(first + length, size)) for first in range(0, size, length)]
 
 
 def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
