@@ -126,6 +126,10 @@ def test_a_gain_without_preview_is_evaluated_as_by_ride_metrics():
     blind, seeing = (ss.active_bound(car, road, "bacc@cg", limits, preview=preview) for preview in (False, True))
     again = ss.ride_metrics(blind.closed, road)
     np.testing.assert_allclose(again.bacc, blind.metrics.bacc, rtol=1e-8)
+    assert all(
+        float(blind.metrics[n].sel(corner=e)) <= limits[f"{n}@{e}"] * 1.0001 for n in ("sws", "dtl") for e in "fr"
+    )
+    assert blind.multipliers == {}
     assert seeing.bound < blind.bound < float(blind.passive.bacc.sel(point="cg"))
     assert seeing.closed is None
 

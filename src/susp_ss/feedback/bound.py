@@ -167,7 +167,9 @@ def active_bound(
     problem = _Problem(known, vehicle, ride_metrics(vehicle, road, weighting=weighting), name, row, preview)
     if not grid.sizes:
         task = problem.task({str(one): float(value) for one, value in grid.items()})
-        found, _ = problem.bound(task)
+        found, solved = problem.bound(task)
+        if found is None and solved is not None:
+            raise ValueError("limits: no gain on the states alone was found that meets them; pass preview=True")
         if found is None:
             raise ValueError(_beyond(known, task))
         return found
@@ -224,6 +226,8 @@ class _Problem(NamedTuple):
                 break
         blind = known.looks_ahead and not self.preview
         law = best_gain(known, task, fine) if blind else fine.law
+        if law is None:
+            return None, fine
         variances = known.variances(law)
         bound = float(np.sqrt(variances[task.row]))
         finite = blind or not known.looks_ahead

@@ -107,49 +107,39 @@ def solve(plant: Plant, task: Task, light: float, start: Solution | None = None)
     return found
 
 
-def best_gain(plant: Plant, task: Task, start: Solution) -> Law:
-    """The best gain on the states alone, among those that are optimal for some weights of the outputs.
+def best_gain(plant: Plant, task: Task, start: Solution) -> Law | None:
+    """The best gain on the states alone, among those that are optimal for some weights of outputs and forces.
 
     The problem is not convex where the same road comes twice: this descends from the weights of the solution with
-    preview, its gradient by differences.
+    preview, its gradient by differences. None where it finds no gain that meets the limits.
     """
     from scipy.optimize import minimize
 
-    alone = plant.variances(Law(plant.no_force))
-    free = [i for i, row in enumerate(plant.rows) if alone[row] > 0.0 and not plant.infinite[i]]
-    rows, sizes = plant.rows[free], alone[plant.rows[free]]
-    base = task.weights(len(plant.system.C), plant.forces, start.multipliers, LIGHT[-1])
-    own = (base[rows] * sizes).clip(min=FLOOR)
-    last = start.law.K
+    sizes = plant.variances(Law(plant.no_force))[plant.rows]
+    sizes[plant.forces] = task.force
+    free = (sizes > 0.0) & ~plant.infinite
+    rows, sizes = plant.rows[free], sizes[free]
+    costs = task.weights(len(plant.system.C), plant.forces, start.multipliers, LIGHT[-1])
+    last, seen = start.law.K, dict[bytes, tuple[Array, Array]]()
 
-    def gain(logarithms: Array) -> Array:
+    def reached(logarithms: Array) -> Array:
         nonlocal last
-        weights = np.zeros(len(base))
-        weights[plant.forces] = LIGHT[-1] / task.force
-        weights[rows] += np.exp(logarithms) / sizes
-        last = optimal(plant.system, weights, last).K
-        return last
-
-    def values(logarithms: Array) -> Array:
-        found = plant.variances(Law(gain(logarithms)))
-        return np.append(0.5 * np.log(found[task.row] / task.size), 1.0 - found[task.rows] / task.limits)
-
-    seen: dict[bytes, Array] = {}
-
-    def cached(logarithms: Array) -> Array:
         key = logarithms.tobytes()
         if key not in seen:
-            seen[key] = values(logarithms)
-        return seen[key]
+            weights = np.zeros(len(costs))
+            weights[rows] = np.exp(logarithms) / sizes
+            last = optimal(plant.system, weights, last).K
+            found = plant.variances(Law(last))
+            seen[key] = last, np.append(found[task.row] / task.size, 1.0 - found[task.rows] / task.limits)
+        return seen[key][1]
 
-    limited = {"type": "ineq", "fun": lambda x: cached(x)[1:]}
-    bounds = [(np.log(FLOOR), -np.log(FLOOR))] * len(own)
-    best = minimize(
-        lambda x: cached(x)[0],
-        np.log(own),
+    minimize(
+        lambda x: 0.5 * np.log(reached(x)[0]),
+        np.log((costs[rows] * sizes).clip(min=FLOOR)),
         method="SLSQP",
-        bounds=bounds,
-        constraints=limited,
+        bounds=[(np.log(FLOOR), -np.log(FLOOR))] * len(rows),
+        constraints={"type": "ineq", "fun": lambda x: reached(x)[1:]},
         options={"maxiter": 60, "eps": 1e-4},
     )
-    return Law(gain(best.x))
+    met = [(values[0], K) for K, values in seen.values() if values[1:].min(initial=0.0) >= -MET]
+    return Law(min(met, key=lambda one: one[0])[1]) if met else None
