@@ -1,164 +1,21 @@
-"""How far any suspension could go: the least of one root mean square under limits of others, over all causal laws.
-
-The variances that laws can reach form a convex set once any law may be mixed with another by a coin, and quadratic
-costs make coins needless: the problem equals its dual. For multipliers of the limits the best law is that of `optimal`,
-known in closed form with all that an axle behind knows ahead; its variances less the limits are the slope of the dual.
-"""
+"""How far any suspension could go: the least of one root mean square under limits of others, over all causal laws."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ..metrics.ride import ride_metrics
 from ..progress import tracked
 from ..quantities import briefly
+from .dual import LIGHT, MET, RESOLVED, SLOWEST, Solution, Task, best_gain, solve
 from .plant import Plant, plant
-from .preview import Law, optimal
+from .preview import Law
 from .result import Feedback
-
-Array = NDArray[np.float64]
-
-# A little weight on the forces keeps the law finite: shares of the variance of a force that moves the body as much as
-# the road does. It is lowered until that no longer changes the bound, by this share of the passive value.
-LIGHT = (1e-3, 1e-4, 1e-5, 1e-6)
-RESOLVED = 1e-5
-
-# Where no weight on forces would be best, the bound falls as the fourth root of it at the slowest: this much from one
-# weight to the next, as a share of what is still to come.
-SLOWEST = 10.0**0.25 - 1.0
-
-# Multipliers, relative to the passive variance over that of the limit: at the start, and at most.
-START, LEAST, MOST = 0.1, 1e-9, 1e5
-
-# A multiplier below this hardly feels its limit by its logarithm: there none starts, and one whose limit is exceeded is
-# lifted to the start again, so often at most.
-AWAKE, LIFTS = 1e-3, 5
-
-# Least weight of an output, relative to its passive variance, among which the best gain without preview is sought.
-FLOOR = 1e-5
-
-# By how much, relatively, a variance may exceed its limit.
-MET = 1e-4
-
-
-class Task(NamedTuple):
-    """Outputs of a plant's system: the one minimised and those limited, with limits and the force's size squared."""
-
-    row: int
-    size: float
-    rows: NDArray[np.int_]
-    limits: Array
-    force: float
-    names: tuple[str, ...]
-
-    def weights(self, outputs: int, forces: Any, multipliers: Array, light: float) -> Array:
-        """What the variance of each output costs."""
-        weights = np.zeros(outputs)
-        weights[forces] = light / self.force
-        weights[self.row] += 1.0 / self.size
-        np.add.at(weights, self.rows, multipliers / self.limits)
-        return weights
-
-
-class Solution(NamedTuple):
-    """A law with the variances of all outputs, and the multipliers whose costs it makes least."""
-
-    law: Law
-    variances: Array
-    multipliers: Array
-
-    def excess(self, task: Task) -> Array:
-        """By how much each limit is exceeded, relative to it."""
-        return self.variances[task.rows] / task.limits - 1.0
-
-
-def solve(plant: Plant, task: Task, light: float, start: Solution | None = None) -> Solution:
-    """Maximise the dual over the logarithms of the multipliers, which are of all sizes.
-
-    Limits that nothing can meet leave an excess.
-    """
-    from scipy.optimize import minimize
-
-    first = np.full(len(task.rows), START) if start is None else start.multipliers
-    last = plant.no_force if start is None else start.law.K
-
-    def at(multipliers: Array) -> Solution:
-        nonlocal last
-        law = optimal(plant.system, task.weights(len(plant.system.C), plant.forces, multipliers, light), last)
-        last = law.K
-        return Solution(law, plant.variances(law), multipliers)
-
-    def dual(logarithms: Array) -> tuple[float, Array]:
-        found = at(np.exp(logarithms))
-        cost = found.law.weights @ found.variances
-        return found.multipliers.sum() - cost, -found.multipliers * found.excess(task)
-
-    if not len(first):
-        return at(first)
-    bounds = [(np.log(LEAST), np.log(MOST))] * len(first)
-    for _ in range(LIFTS):
-        begin = np.log(first.clip(AWAKE, MOST))
-        best = minimize(dual, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"ftol": 1e-15, "gtol": 1e-8})
-        found = at(np.exp(best.x))
-        asleep = (found.excess(task) > MET) & (found.multipliers < AWAKE)
-        if not asleep.any():
-            break
-        first = np.where(asleep, START, found.multipliers)
-    return found
-
-
-def best_gain(plant: Plant, task: Task, start: Solution) -> Law:
-    """The best gain on the states alone, among those that are optimal for some weights of the outputs.
-
-    The problem is not convex where the same road comes twice: this descends from the weights of the solution with
-    preview, its gradient by differences.
-    """
-    from scipy.optimize import minimize
-
-    alone = plant.variances(Law(plant.no_force))
-    free = [i for i, row in enumerate(plant.rows) if alone[row] > 0.0 and not plant.infinite[i]]
-    rows, sizes = plant.rows[free], alone[plant.rows[free]]
-    base = task.weights(len(plant.system.C), plant.forces, start.multipliers, LIGHT[-1])
-    own = (base[rows] * sizes).clip(min=FLOOR)
-    last = start.law.K
-
-    def gain(logarithms: Array) -> Array:
-        nonlocal last
-        weights = np.zeros(len(base))
-        weights[plant.forces] = LIGHT[-1] / task.force
-        weights[rows] += np.exp(logarithms) / sizes
-        last = optimal(plant.system, weights, last).K
-        return last
-
-    def values(logarithms: Array) -> Array:
-        found = plant.variances(Law(gain(logarithms)))
-        return np.append(0.5 * np.log(found[task.row] / task.size), 1.0 - found[task.rows] / task.limits)
-
-    seen: dict[bytes, Array] = {}
-
-    def cached(logarithms: Array) -> Array:
-        key = logarithms.tobytes()
-        if key not in seen:
-            seen[key] = values(logarithms)
-        return seen[key]
-
-    limited = {"type": "ineq", "fun": lambda x: cached(x)[1:]}
-    bounds = [(np.log(FLOOR), -np.log(FLOOR))] * len(own)
-    best = minimize(
-        lambda x: cached(x)[0],
-        np.log(own),
-        method="SLSQP",
-        bounds=bounds,
-        constraints=limited,
-        options={"maxiter": 60, "eps": 1e-4},
-    )
-    return Law(gain(best.x))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -176,7 +33,8 @@ class ActiveBound(Feedback):
     limits : dict of str to float
         Of every output that was limited, by its name with its place.
     multipliers : dict of str to float
-        How much the bound falls per unit by which a limit is raised, in their SI units: the limits' shadow prices.
+        How much the bound falls per unit by which a limit is raised, in their SI units: the limits' shadow prices. None
+        of a gain that is only the best found.
     preview : bool
         Whether the law also acts on what it knows of the road ahead of the axles behind.
     """
@@ -184,8 +42,8 @@ class ActiveBound(Feedback):
     minimise: str = ""
     bound: float = float("nan")
     unresolved: float = 0.0
-    limits: Mapping[str, float] = None  # type: ignore[assignment]
-    multipliers: Mapping[str, float] = None  # type: ignore[assignment]
+    limits: Mapping[str, float] = field(default_factory=dict)
+    multipliers: Mapping[str, float] = field(default_factory=dict)
     preview: bool = True
 
     def __repr__(self) -> str:
@@ -309,7 +167,9 @@ def active_bound(
     problem = _Problem(known, vehicle, ride_metrics(vehicle, road, weighting=weighting), name, row, preview)
     if not grid.sizes:
         task = problem.task({str(one): float(value) for one, value in grid.items()})
-        found, _ = problem.bound(task)
+        found, solved = problem.bound(task)
+        if found is None and solved is not None:
+            raise ValueError("limits: no gain on the states alone was found that meets them; pass preview=True")
         if found is None:
             raise ValueError(_beyond(known, task))
         return found
@@ -351,10 +211,12 @@ class _Problem(NamedTuple):
     def bound(self, task: Task, start: Solution | None = None) -> tuple[ActiveBound | None, Solution | None]:
         """The bound, and the solution from which one nearby may start; nothing where no law meets the limits."""
         known, change = self.plant, np.inf
-        fine = solve(known, task, LIGHT[0], start)
+        # Nearby the same weights are needed as there, and the one before to compare with.
+        first, *lighter = LIGHT if start is None else LIGHT[LIGHT.index(start.light) - 1 :]
+        fine = solve(known, task, first, start)
         if fine.excess(task).max(initial=0.0) > MET:
             return None, None
-        for light in LIGHT[1:]:
+        for light in lighter:
             coarse, fine = fine, solve(known, task, light, fine)
             if fine.excess(task).max(initial=0.0) > MET:
                 return None, None
@@ -362,12 +224,13 @@ class _Problem(NamedTuple):
             change = levels[0] - levels[1]
             if change < RESOLVED:
                 break
-        law = fine.law
-        if known.looks_ahead and not self.preview:
-            law = best_gain(known, task, fine)
+        blind = known.looks_ahead and not self.preview
+        law = best_gain(known, task, fine) if blind else fine.law
+        if law is None:
+            return None, fine
         variances = known.variances(law)
         bound = float(np.sqrt(variances[task.row]))
-        closed = known.closed(law.K, named=False) if law.weights is None or not known.looks_ahead else None
+        finite = blind or not known.looks_ahead
         limits = np.sqrt(task.limits)
         prices = fine.multipliers * task.size / (limits * bound)
         return ActiveBound(
@@ -376,13 +239,13 @@ class _Problem(NamedTuple):
             road=known.road,
             metrics=known.metrics(variances),
             passive=self.passive,
-            closed=closed,
+            closed=known.closed(law.K, named=False) if finite else None,
             gain=known.gain(law.K),
             minimise=self.name,
             bound=bound,
-            unresolved=0.0 if change < RESOLVED else float(change / levels[1] / SLOWEST),
+            unresolved=0.0 if blind or change < RESOLVED else float(change / levels[1] / SLOWEST),
             limits=dict(zip(task.names, limits.tolist(), strict=True)),
-            multipliers=dict(zip(task.names, prices.tolist(), strict=True)),
+            multipliers={} if blind else dict(zip(task.names, prices.tolist(), strict=True)),
             preview=self.preview,
         ), fine
 
@@ -469,7 +332,7 @@ def _front(grid: xr.Dataset, points: list[ActiveBound | None], problem: _Problem
         bound=over([np.nan if p is None else p.bound for p in points], units=met.metrics[metric].attrs["units"]),
         metrics=xr.Dataset(stacked, {**labels, **grid.coords}),
         multipliers=xr.Dataset(
-            {name: over([np.nan if p is None else p.multipliers[name] for p in points]) for name in names}
+            {name: over([np.nan if p is None else p.multipliers.get(name, np.nan) for p in points]) for name in names}
         ),
         passive=problem.passive,
         limits={str(name): limit for name, limit in grid.items()},

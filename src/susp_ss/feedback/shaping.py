@@ -21,7 +21,6 @@ STEPS, SETTLED = 200, 1e-14
 # feels what fitted terms make of the ends of a spectrum.
 FELT, LOST = np.geomspace(0.1, 1e4, 200), 1e-5
 
-
 # A white part below this share of the largest term is none.
 WHITE = 1e-14
 
