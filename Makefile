@@ -48,10 +48,6 @@ docs: .venv/installed-docs
 	$(BIN)/pytest -n 0 tests/test_docs.py
 	@echo open docs/_build/html/index.html
 
-.venv/installed-docs: .venv/installed-test
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[docs]'
-	touch $@
-
 bench: .venv/installed-test
 	$(BIN)/python benchmarks/ride_metrics.py
 	$(BIN)/python benchmarks/any_road_any_system.py
@@ -60,21 +56,27 @@ bench: .venv/installed-test
 	$(BIN)/python benchmarks/damaged_files.py
 	$(BIN)/python benchmarks/sweeps.py
 
-.venv/installed: pyproject.toml constraints.txt
-	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[pages]'
-	touch $@
+# Each in one go, for what installs more has installed the less as well. What is never imported need not be compiled.
+INSTALL = $(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable
 
-.venv/installed-test: .venv/installed
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[test]'
-	touch $@
+.venv/installed .venv/installed-test .venv/installed-docs: pyproject.toml constraints.txt
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(INSTALL) '.[$(EXTRAS)]'
+	touch $(MADE)
+
+.venv/installed: EXTRAS = pages
+.venv/installed: MADE = .venv/installed
+.venv/installed-test: EXTRAS = test
+.venv/installed-test: MADE = .venv/installed .venv/installed-test
+.venv/installed-docs: EXTRAS = test,docs
+.venv/installed-docs: MADE = .venv/installed .venv/installed-test .venv/installed-docs
 
 # In a container one is root, whom Jupyter would turn away.
 notebooks: .venv/installed-notebooks
 	$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
 
 .venv/installed-notebooks: .venv/installed
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[notebooks]'
+	$(INSTALL) '.[notebooks]'
 	touch $@
 
 clean:

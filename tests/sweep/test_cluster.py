@@ -103,7 +103,7 @@ def test_killed_worker(cluster, store, undisturbed, at_mark):
     assert files(store) == undisturbed(CAR, SPRINGS)
 
 
-def test_killed_process_of_a_cluster(cluster, store, undisturbed):
+def test_killed_process_of_a_cluster(cluster, store, undisturbed, run):
     kill = (
         "import susp_ss.sweep.run\n"
         "mark = susp_ss.sweep.run.mark\n"
@@ -117,9 +117,9 @@ def test_killed_process_of_a_cluster(cluster, store, undisturbed):
     assert process(kill, *line).returncode == -signal.SIGKILL
     found = int(zarr.open_array(store, path="sweep/done", mode="r")[...].sum())
     assert found >= 2
-    resumed = process("", *line)
-    assert resumed.returncode == 0
-    assert f"40 designs in 4 chunks, {found} of them finished before" in resumed.stderr
+    resumed = run("sweep", *line)
+    assert resumed.code == 0
+    assert f"40 designs in 4 chunks, {found} of them finished before" in resumed.err
     assert files(store) == undisturbed()
 
 
@@ -254,9 +254,9 @@ def test_workers_that_do_not_reach_an_object_store(bucket, url, objects, undistu
 
 
 @needs_s3
-def test_killed_process_of_an_object_store(url, objects, undisturbed):
+def test_killed_process_of_an_object_store(url, objects, undisturbed, run):
     assert process(stopped_by(signal.SIGKILL, 3, ("bacc",)), *LINE, url).returncode == -signal.SIGKILL
-    assert process("", *LINE, url).returncode == 0
+    assert run("sweep", *LINE, url).code == 0
     assert objects() == undisturbed()
 
 

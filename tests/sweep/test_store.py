@@ -152,34 +152,34 @@ def test_only_unfinished_chunks_are_computed_again(after, store, undisturbed, mo
 
 
 @pytest.mark.parametrize("after", list(PARTS.values())[1:], ids=list(PARTS)[1:])
-def test_killed_process(after, store, undisturbed):
+def test_killed_process(after, store, undisturbed, run):
     assert process(stopped_by(signal.SIGKILL, 3, after), *LINE, store).returncode == -signal.SIGKILL
     assert zarr.open_group(store, path="sweep", mode="r")["done"][...].sum() <= 3
-    resumed = process("", *LINE, store)
-    assert resumed.returncode == 0
-    assert "40 designs in 4 chunks" in resumed.stderr
+    resumed = run("sweep", *LINE, store)
+    assert resumed.code == 0
+    assert "40 designs in 4 chunks" in resumed.err
     assert files(store) == undisturbed()
 
 
-def test_killed_while_the_store_is_laid_out(store, undisturbed):
+def test_killed_while_the_store_is_laid_out(store, undisturbed, run):
     program = "import zarr\nzarr.consolidate_metadata = lambda path: os.kill(os.getpid(), signal.SIGKILL)\n"
     assert process(program, *LINE, store).returncode == -signal.SIGKILL
     assert not store.exists()
-    assert process("", *LINE, store).returncode == 0
+    assert run("sweep", *LINE, store).code == 0
     assert files(store) == undisturbed()
 
 
-def test_interrupted(store, undisturbed):
+def test_interrupted(store, undisturbed, run):
     stopped = process(stopped_by(signal.SIGINT, 2), *LINE, store)
     assert stopped.returncode == 130
     (line,) = stopped.stderr.splitlines()
     assert line.startswith(f"susp-ss: stopped: store {store}: ")
     assert "of 4 chunks are unfinished; run the same sweep again to resume" in line
-    assert process("", *LINE, store).returncode == 0
+    assert run("sweep", *LINE, store).code == 0
     assert files(store) == undisturbed()
 
 
-def test_a_disk_that_takes_no_more(store, undisturbed):
+def test_a_disk_that_takes_no_more(store, undisturbed, run):
     """Files of at most 60 bytes, once the store is laid out: no chunk fits in."""
     limit = (
         "import susp_ss.sweep.run\n"
@@ -195,7 +195,7 @@ def test_a_disk_that_takes_no_more(store, undisturbed):
         f"susp-ss: error: store {store}: File too large; 4 of 4 chunks are unfinished; run the same sweep again to "
         "resume\n"
     )
-    assert process("", *LINE, store).returncode == 0
+    assert run("sweep", *LINE, store).code == 0
     assert files(store) == undisturbed()
 
 
