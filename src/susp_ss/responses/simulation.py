@@ -50,7 +50,7 @@ def simulate(
     """Drive a vehicle over a profile at a speed, or over given heights under its wheels.
 
     The heights are taken as linear between samples and the states advance exactly, as `control.forced_response` has
-    them, a hundred times as fast. The vehicle starts at rest in static equilibrium on the first heights, its further
+    them, tens of times as fast. The vehicle starts at rest in static equilibrium on the first heights, its further
     inputs at zero. Outputs that need the road's velocity (tyre damping, rigid tyre) take it from the heights by central
     differences.
 
