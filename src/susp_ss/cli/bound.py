@@ -10,8 +10,7 @@ from rich.console import Console
 from ..quantities import ACTUATION, METRICS, Quantity
 from .documents import json_number, road_document
 from .folder import check_result
-from .metrics import weightings
-from .options import Force, Json, built_from, measured, number, road_from_options, vehicle_options
+from .options import Force, Json, built_from, measured, number, road_from_options, vehicle_options, weightings
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:

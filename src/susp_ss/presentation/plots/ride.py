@@ -233,8 +233,8 @@ def _add_car(axes: Axes, vehicle: Vehicle, history: xr.Dataset, k: int, large: f
     looks = (BODY, 2.5), ("0.5", 0.8), (WHEEL, 1.2)
     parts, lines = iter(_parts(vehicle, history, k, large)), []
     for opacity, _ in _sides(vehicle):
-        for look, (x, y) in zip(looks, parts, strict=False):
-            lines += axes.plot(x, y, alpha=opacity, solid_capstyle="round", **look)
+        for (colour, width), (x, y) in zip(looks, parts, strict=False):
+            lines += axes.plot(x, y, alpha=opacity, color=colour, linewidth=width, solid_capstyle="round")
     return lines
 
 
