@@ -243,7 +243,7 @@ class _Problem(NamedTuple):
             gain=known.gain(law.K),
             minimise=self.name,
             bound=bound,
-            unresolved=0.0 if blind or change < RESOLVED else float(change / levels[1] / SLOWEST),
+            unresolved=0.0 if blind or change < RESOLVED else min(1.0, float(change / levels[1] / SLOWEST)),
             limits=dict(zip(task.names, limits.tolist(), strict=True)),
             multipliers={} if blind else dict(zip(task.names, prices.tolist(), strict=True)),
             preview=self.preview,
