@@ -18,6 +18,7 @@ from ..vehicles.contract import RoadVehicle
 from ..vehicles.curves import Curve, rate_of, rated
 from ..vehicles.vehicle import joined
 from .in_memory import one_metric
+from .weightings import filters
 
 Array = NDArray[np.float64]
 
@@ -41,18 +42,22 @@ class Response:
         ``"roughness"`` or ``"cutoff"`` of the road.
     parameter : str, optional
         One more of these, that a second argument sets: ``response(X, value)``, for `ParameterBased`.
+    weighting : str, control.TransferFunction, control.StateSpace or mapping of either by output, optional
+        As in `ride_metrics`: one for all is for accelerations, and does nothing to another criterion.
 
     Attributes
     ----------
     parameter_value : float
         The vehicle's or road's own value of ``parameter``.
+    weighted : dict of str to Filter
+        The filter of the criterion by its name; empty without.
     value_per_design : bool
         True: the second argument may be one value for each design.
 
     Raises
     ------
     TypeError, ValueError
-        An unknown criterion, place or field; each names what is available.
+        An unknown criterion, place, field or weighting; each names what is available.
 
     Notes
     -----
@@ -67,6 +72,9 @@ class Response:
     (2,)
     >>> bool((response(X, 400.0) > response(X)).all())
     True
+    >>> felt = Response(QuarterCar(), Road(), "bacc", weighting="Wk")
+    >>> bool((felt(X) < Response(QuarterCar(), Road(), "bacc")(X)).all())
+    True
     """
 
     value_per_design = True
@@ -79,6 +87,7 @@ class Response:
         at: str | None = None,
         inputs: Sequence[str] = ("ks", "cs"),
         parameter: str | None = None,
+        weighting: Any = None,
     ):
         check_kinds(vehicle, road)
         if vehicle.design_space().dims:
@@ -103,6 +112,8 @@ class Response:
         self.road, self.criterion, self.at = road, criterion, at
         self.inputs, self.parameter = tuple(inputs), parameter
         self._check_place()
+        through = filters(weighting, vehicle.layout())
+        self.weighted = {name: one for name, one in through.items() if name == criterion}
         if parameter is not None:
             value = self.own(parameter)
             if isinstance(value, float):
@@ -169,4 +180,4 @@ class Response:
             if isinstance(values, dict):
                 fields[field] = joined(values)
         vehicle = dataclasses.replace(self.vehicle, **fields) if fields else self.vehicle
-        return np.broadcast_to(one_metric(vehicle, road, self.criterion, self.at), n)
+        return np.broadcast_to(one_metric(vehicle, road, self.criterion, self.at, self.weighted), n)
