@@ -50,6 +50,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
             "learning_curve_of_runs",
             "sample",
         ],
+        "design": ["ParetoFront", "pareto_front"],
         "study": ["Scan", "Study", "feasibility_study", "scan_scenarios"],
         "exchange": ["FMU", "export"],
         "fit": ["Fit", "LowFidelity", "fit_runs", "load_surrogate", "read_histories", "read_runs"],
