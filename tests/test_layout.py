@@ -21,6 +21,8 @@ ROOMS = (
     "responses",
     "metrics",
     "surrogates",
+    "feedback",
+    "design",
     "study",
     "fit",
     "sweep",
@@ -34,6 +36,7 @@ ROOMS = (
 STRANGERS = (
     {"vehicles", "roads"},
     {"vehicles", "surrogates"},
+    {"surrogates", "feedback"},
     {"study", "fit"},
     {"study", "sweep"},
     {"fit", "sweep"},

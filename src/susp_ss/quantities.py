@@ -116,6 +116,11 @@ METRICS = _table(
 )
 """Variables of `susp_ss.ride_metrics`, in their order."""
 
+ACTUATION = _table(
+    Quantity("force", "N", "force of the actuator between wheel and body", "", shown="kN", dim="corner"),
+)
+"""What feedback adds to them."""
+
 HANDLING = _table(
     Quantity("ay", "m/s^2", "lateral acceleration of the body's centre of gravity", "a_y"),
     Quantity("yaw_rate", "rad/s", "yaw rate", "r"),
@@ -214,7 +219,7 @@ def unit_of(output: str) -> str:
     ('m/s^2', 'rad/s', '')
     """
     metric, _ = metric_and_place(output)
-    known = quantity_of(metric, METRICS | HANDLING)
+    known = quantity_of(metric, METRICS | HANDLING | ACTUATION)
     return known.unit if known else ""
 
 

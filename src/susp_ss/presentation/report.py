@@ -5,14 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from ..feedback import ActiveBound, ActiveFront, Feedback
 from ..fit.fitting import Fit
 from ..study.feasibility import Study
 from ..study.scan import Scan
+from .text.feedback import bound_text, feedback_text, front_text
 from .text.fit import fit_text
 from .text.scan import scan_text
 from .text.study import study_text
 
-TEXTS: dict[type, Callable[[Any], str]] = {Study: study_text, Fit: fit_text, Scan: scan_text}
+TEXTS: dict[type, Callable[[Any], str]] = {
+    Study: study_text,
+    Fit: fit_text,
+    Scan: scan_text,
+    Feedback: feedback_text,
+    ActiveBound: bound_text,
+    ActiveFront: front_text,
+}
 
 
 def report(result: Any) -> str:
@@ -20,11 +29,12 @@ def report(result: Any) -> str:
 
     Of a `Study`: Tables 3 to 5 with ours beside the published values, what agrees, held-out accuracy and cost. Of a
     `Fit`: for each output the ranking, the choice, what the cheap model was worth, and the formula. Of a `Scan`: the
-    nearest scenarios, and what each assumption can and cannot reach.
+    nearest scenarios, and what each assumption can and cannot reach. Of a `Feedback`, an `ActiveBound` or an
+    `ActiveFront`: every metric beside the passive vehicle's, the gain, and what limits cost.
 
     Parameters
     ----------
-    result : Study, Fit or Scan
+    result : Study, Fit, Scan, Feedback, ActiveBound or ActiveFront
 
     Returns
     -------

@@ -15,6 +15,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ..extras import needing
+from ..feedback import ActiveBound, ActiveFront, Feedback
 from ..fit.fitting import Fit
 from ..responses.covariance import linearised
 from ..study.feasibility import Study
@@ -23,6 +24,7 @@ from ..study.scan import Scan
 from . import plots
 from .documents import study_document
 from .folder import write_results
+from .text.feedback import bound_text, feedback_text, front_text
 from .text.fit import fit_text
 
 PAGE = "report.html"
@@ -52,6 +54,8 @@ PICTURES = {
 
 SCAN, SCAN_PICTURE = "scan.csv", "scan.png"
 
+LAW, GAIN, LAW_TEXT, LAW_PICTURE = "feedback.csv", "gain.csv", "feedback.txt", "feedback.png"
+
 
 def save(result: Any, folder: str | PathLike[str], force: bool = False, figures: bool = True) -> None:
     """Write a result into a folder.
@@ -59,12 +63,14 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
     A `Study` becomes ``tables.csv`` (one row an entry: ours, published, unit), ``tables.json`` (the same with scenario,
     held-out accuracy, cost and versions), ``responses.nc``, ``figures/`` and ``report.html``. A `Fit` becomes
     ``surrogate.json``, ``accuracy.csv``, ``predictions.csv``, ``figures/``, ``report.md`` and ``report.html``. A `Scan`
-    becomes ``scan.csv`` and ``scan.png``. A page is one file that opens in a browser without a network; it needs the
+    becomes ``scan.csv`` and ``scan.png``. A `Feedback`, an `ActiveBound` or an `ActiveFront` becomes ``feedback.csv``
+    (every metric beside the passive vehicle's, or the front), ``gain.csv`` where there is one gain, ``feedback.txt``
+    and ``feedback.png``. A page is one file that opens in a browser without a network; it needs the
     extra ``pages``.
 
     Parameters
     ----------
-    result : Study, Fit or Scan
+    result : Study, Fit, Scan, Feedback, ActiveBound or ActiveFront
     folder : path
         Made if missing.
     force : bool
@@ -252,8 +258,32 @@ def _write_scan(scan: Scan, folder: Path, figures: bool) -> None:
         plots.scenario_scan(scan).savefig(folder / SCAN_PICTURE)
 
 
+# Feedback
+
+
+def _write_law(law: Feedback, folder: Path, figures: bool) -> None:
+    law.table().to_csv(folder / LAW, index_label="metric")
+    if law.gain is not None:
+        law.gain.to_pandas().to_csv(folder / GAIN)
+    words = bound_text(law) if isinstance(law, ActiveBound) else feedback_text(law)
+    (folder / LAW_TEXT).write_text(words, encoding="utf-8")
+    if figures:
+        plots.feedback(law).savefig(folder / LAW_PICTURE)
+
+
+def _write_front(front: ActiveFront, folder: Path, figures: bool) -> None:
+    table = front.bound.to_dataframe(name=front.minimise)
+    table.join(front.multipliers.to_dataframe().add_prefix("multiplier_")).to_csv(folder / LAW)
+    (folder / LAW_TEXT).write_text(front_text(front), encoding="utf-8")
+    if figures and front.bound.ndim == 1:
+        plots.feedback(front).savefig(folder / LAW_PICTURE)
+
+
 KINDS: dict[type, Kind] = {
     Study: Kind((*TABLES, PAGE, *STILLS.values()), _write_study),
     Fit: Kind((SURROGATE, REPORT, PAGE, ACCURACY, PREDICTIONS), _write_fit),
     Scan: Kind((SCAN, SCAN_PICTURE), _write_scan),
+    Feedback: Kind((LAW, GAIN, LAW_TEXT, LAW_PICTURE), _write_law),
+    ActiveBound: Kind((LAW, GAIN, LAW_TEXT, LAW_PICTURE), _write_law),
+    ActiveFront: Kind((LAW, LAW_TEXT, LAW_PICTURE), _write_front),
 }

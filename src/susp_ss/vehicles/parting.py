@@ -132,10 +132,12 @@ def _without_unseen(system: _Block, fastest: float) -> tuple[_Block, Array]:
     """Leave out the directions that no output sees, at once or later; they are returned."""
     n = len(system.A)
     seen, frontier = np.zeros((n, 0)), system.C.T / max(1.0, float(np.linalg.norm(system.basis, ord=2)))
-    while frontier.size:
+    while frontier.size and seen.shape[1] < n:
         frontier = frontier - seen @ (seen.T @ frontier)
         U, s, _ = np.linalg.svd(frontier, full_matrices=False)
-        frontier = U[:, s > SEEN]
+        # Of a direction little may be left, with few digits; and there are no more directions than states.
+        U = U[:, s > SEEN]
+        frontier = scipy.linalg.orth(U - seen @ (seen.T @ U))[:, : n - seen.shape[1]]
         seen = np.hstack([seen, frontier])
         frontier = system.A.T @ frontier / fastest
     unseen = scipy.linalg.null_space(seen.T) if seen.shape[1] else np.eye(n)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..quantities import DIMS, METRICS, Quantity, briefly, signal
+from ..quantities import ACTUATION, DIMS, METRICS, Quantity, briefly, signal
 from .contract import RoadVehicle
 from .full import FullCar
 from .half import PitchHalfCar, RollHalfCar
@@ -144,8 +144,9 @@ def output_table(
 
 def _row(name: str) -> Row:
     """An output by its name alone: one of the package's at a place, or one of its own."""
-    for stem in sorted(METRICS, key=len, reverse=True):
-        quantity = METRICS[stem]
+    known = METRICS | ACTUATION
+    for stem in sorted(known, key=len, reverse=True):
+        quantity = known[stem]
         if quantity.statistic == "RMS" and (name == stem or (quantity.dim and name.startswith(f"{stem}_"))):
             return Row(quantity, name.removeprefix(stem).removeprefix("_"), True)
     return Row(Quantity(name, "", name), "", True)

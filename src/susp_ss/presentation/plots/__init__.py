@@ -7,6 +7,7 @@ notebook with alternative text.
 
 from .described import Described
 from .designs import carpet
+from .feedback import feedback
 from .fitted import fitted_map
 from .frequency import bode, bode_magnitude, psd, study_curves
 from .modes import mode_shape, mode_shapes
@@ -27,6 +28,7 @@ __all__ = [
     "bode_magnitude",
     "carpet",
     "error_map",
+    "feedback",
     "fitted_map",
     "learning_curves",
     "mode_shape",

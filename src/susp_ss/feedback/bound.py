@@ -1,0 +1,477 @@
+"""How far any suspension could go: the least of one root mean square under limits of others, over all causal laws.
+
+The variances that laws can reach form a convex set once any law may be mixed with another by a coin, and quadratic
+costs make coins needless: the problem equals its dual. For multipliers of the limits the best law is that of `optimal`,
+known in closed form with all that an axle behind knows ahead; its variances less the limits are the slope of the dual.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..metrics.ride import ride_metrics
+from ..progress import tracked
+from ..quantities import briefly
+from .plant import Plant, plant
+from .preview import Law, optimal
+from .result import Feedback
+
+Array = NDArray[np.float64]
+
+# A little weight on the forces keeps the law finite: shares of the variance of a force that moves the body as much as
+# the road does. It is lowered until that no longer changes the bound, by this share of the passive value.
+LIGHT = (1e-3, 1e-4, 1e-5, 1e-6)
+RESOLVED = 1e-5
+
+# Where no weight on forces would be best, the bound falls as the fourth root of it at the slowest: this much from one
+# weight to the next, as a share of what is still to come.
+SLOWEST = 10.0**0.25 - 1.0
+
+# Multipliers, relative to the passive variance over that of the limit: at the start, and at most.
+START, LEAST, MOST = 0.1, 1e-9, 1e5
+
+# A multiplier below this hardly feels its limit by its logarithm: there none starts, and one whose limit is exceeded is
+# lifted to the start again, so often at most.
+AWAKE, LIFTS = 1e-3, 5
+
+# Least weight of an output, relative to its passive variance, among which the best gain without preview is sought.
+FLOOR = 1e-5
+
+# By how much, relatively, a variance may exceed its limit.
+MET = 1e-4
+
+
+class Task(NamedTuple):
+    """Outputs of a plant's system: the one minimised and those limited, with limits and the force's size squared."""
+
+    row: int
+    size: float
+    rows: NDArray[np.int_]
+    limits: Array
+    force: float
+    names: tuple[str, ...]
+
+    def weights(self, outputs: int, forces: Any, multipliers: Array, light: float) -> Array:
+        """What the variance of each output costs."""
+        weights = np.zeros(outputs)
+        weights[forces] = light / self.force
+        weights[self.row] += 1.0 / self.size
+        np.add.at(weights, self.rows, multipliers / self.limits)
+        return weights
+
+
+class Solution(NamedTuple):
+    """A law with the variances of all outputs, and the multipliers whose costs it makes least."""
+
+    law: Law
+    variances: Array
+    multipliers: Array
+
+    def excess(self, task: Task) -> Array:
+        """By how much each limit is exceeded, relative to it."""
+        return self.variances[task.rows] / task.limits - 1.0
+
+
+def solve(plant: Plant, task: Task, light: float, start: Solution | None = None) -> Solution:
+    """Maximise the dual over the logarithms of the multipliers, which are of all sizes.
+
+    Limits that nothing can meet leave an excess.
+    """
+    from scipy.optimize import minimize
+
+    first = np.full(len(task.rows), START) if start is None else start.multipliers
+    last = plant.no_force if start is None else start.law.K
+
+    def at(multipliers: Array) -> Solution:
+        nonlocal last
+        law = optimal(plant.system, task.weights(len(plant.system.C), plant.forces, multipliers, light), last)
+        last = law.K
+        return Solution(law, plant.variances(law), multipliers)
+
+    def dual(logarithms: Array) -> tuple[float, Array]:
+        found = at(np.exp(logarithms))
+        cost = found.law.weights @ found.variances
+        return found.multipliers.sum() - cost, -found.multipliers * found.excess(task)
+
+    if not len(first):
+        return at(first)
+    bounds = [(np.log(LEAST), np.log(MOST))] * len(first)
+    for _ in range(LIFTS):
+        begin = np.log(first.clip(AWAKE, MOST))
+        best = minimize(dual, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"ftol": 1e-15, "gtol": 1e-8})
+        found = at(np.exp(best.x))
+        asleep = (found.excess(task) > MET) & (found.multipliers < AWAKE)
+        if not asleep.any():
+            break
+        first = np.where(asleep, START, found.multipliers)
+    return found
+
+
+def best_gain(plant: Plant, task: Task, start: Solution) -> Law:
+    """The best gain on the states alone, among those that are optimal for some weights of the outputs.
+
+    The problem is not convex where the same road comes twice: this descends from the weights of the solution with
+    preview, its gradient by differences.
+    """
+    from scipy.optimize import minimize
+
+    alone = plant.variances(Law(plant.no_force))
+    free = [i for i, row in enumerate(plant.rows) if alone[row] > 0.0 and not plant.infinite[i]]
+    rows, sizes = plant.rows[free], alone[plant.rows[free]]
+    base = task.weights(len(plant.system.C), plant.forces, start.multipliers, LIGHT[-1])
+    own = (base[rows] * sizes).clip(min=FLOOR)
+    last = start.law.K
+
+    def gain(logarithms: Array) -> Array:
+        nonlocal last
+        weights = np.zeros(len(base))
+        weights[plant.forces] = LIGHT[-1] / task.force
+        weights[rows] += np.exp(logarithms) / sizes
+        last = optimal(plant.system, weights, last).K
+        return last
+
+    def values(logarithms: Array) -> Array:
+        found = plant.variances(Law(gain(logarithms)))
+        return np.append(0.5 * np.log(found[task.row] / task.size), 1.0 - found[task.rows] / task.limits)
+
+    seen: dict[bytes, Array] = {}
+
+    def cached(logarithms: Array) -> Array:
+        key = logarithms.tobytes()
+        if key not in seen:
+            seen[key] = values(logarithms)
+        return seen[key]
+
+    limited = {"type": "ineq", "fun": lambda x: cached(x)[1:]}
+    bounds = [(np.log(FLOOR), -np.log(FLOOR))] * len(own)
+    best = minimize(
+        lambda x: cached(x)[0],
+        np.log(own),
+        method="SLSQP",
+        bounds=bounds,
+        constraints=limited,
+        options={"maxiter": 60, "eps": 1e-4},
+    )
+    return Law(gain(best.x))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ActiveBound(Feedback):
+    """The least root mean square of one output over all laws, and the law that reaches it.
+
+    Attributes
+    ----------
+    minimise : str
+        Which output.
+    bound : float
+        The root mean square that the law reaches, in the output's SI unit.
+    unresolved : float
+        How much lower, relatively, forces of any bandwidth might still come; 0 where that changes nothing.
+    limits : dict of str to float
+        Of every output that was limited, by its name with its place.
+    multipliers : dict of str to float
+        How much the bound falls per unit by which a limit is raised, in their SI units: the limits' shadow prices.
+    preview : bool
+        Whether the law also acts on what it knows of the road ahead of the axles behind.
+    """
+
+    minimise: str = ""
+    bound: float = float("nan")
+    unresolved: float = 0.0
+    limits: Mapping[str, float] = None  # type: ignore[assignment]
+    multipliers: Mapping[str, float] = None  # type: ignore[assignment]
+    preview: bool = True
+
+    def __repr__(self) -> str:
+        metric, _, place = self.minimise.partition("@")
+        data = self.passive.get(metric)
+        before = "" if data is None else f", passive {float(data.sel({data.dims[0]: place}) if place else data):.4g}"
+        unit = self.metrics[metric].attrs["units"]
+        return f"active bound on {type(self.vehicle).__name__}: {self.minimise} >= {self.bound:.4g} {unit}{before}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ActiveFront:
+    """Active bounds over limits that were arrays.
+
+    Attributes
+    ----------
+    minimise : str
+        Which output.
+    bound : xarray.DataArray
+        Over the limits' dims; NaN where no law meets the limits.
+    metrics, multipliers : xarray.Dataset
+        As of an `ActiveBound`, over the same dims.
+    passive : xarray.Dataset
+        Of the vehicle by itself.
+    limits : dict of str to DataArray
+        Of every output that was limited, by its name with its place.
+    points : list of ActiveBound or None
+        In the order of the flattened dims.
+    """
+
+    minimise: str
+    bound: xr.DataArray
+    metrics: xr.Dataset
+    multipliers: xr.Dataset
+    passive: xr.Dataset
+    limits: Mapping[str, xr.DataArray]
+    points: list[ActiveBound | None]
+
+    def __repr__(self) -> str:
+        met = int(self.bound.notnull().sum())
+        return (
+            f"active front of {self.minimise} over {', '.join(map(str, self.bound.dims))}: {met} of {self.bound.size} "
+            f"points within reach, {float(self.bound.min()):.4g} to {float(self.bound.max()):.4g} "
+            f"{self.bound.attrs['units']}"
+        )
+
+    def _repr_html_(self) -> str:
+        return str(self.bound.to_dataframe(name=self.minimise).to_html())
+
+
+def active_bound(
+    vehicle: Any,
+    road: Any,
+    minimise: str = "bacc",
+    limits: Mapping[str, Any] | None = None,
+    weighting: Any = None,
+    preview: bool = True,
+) -> ActiveBound | ActiveFront:
+    """Least root mean square of one output over all feedback laws under limits of others, and the law that reaches it.
+
+    ``min E[y0^2]`` such that ``E[y_i^2] <= l_i^2`` over every causal law of forces between wheels and body that knows
+    the whole state, and what each axle has met, which those behind will meet a wheelbase later. Linear, nonlinear,
+    active or semi-active: none comes below. The dual ``max_lambda min_u E[y0^2 + sum lambda_i (y_i^2 - l_i^2)]`` has
+    its inner minimum by a Riccati equation with preview in closed form (`feedback.preview`).
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With one number for every parameter.
+    road : Road
+    minimise : str
+        An output: ``"bacc@cg"``, ``"dtl@fr"``, or ``"bacc"`` where it has one place.
+    limits : mapping of str to float, array or DataArray
+        Root mean squares not to be exceeded, in SI units, by output: ``{"sws@fr": 0.02, "dtl": 900.0}``; without a
+        place they hold at every place. ``force`` (N) is that of the actuators. Arrays make a front, on dim ``limit`` or
+        on those of DataArrays; one point after another starts from the last.
+    weighting : optional
+        As in `ride_metrics`: outputs are minimised and limited behind their filters.
+    preview : bool
+        False: the law is a gain on the vehicle's states alone.
+
+    Returns
+    -------
+    ActiveBound, or ActiveFront where limits are arrays
+
+    Raises
+    ------
+    TypeError, ValueError
+        An output without a place or of no finite variance; limits that no law meets, with the least value that each
+        can have while the others are met.
+
+    Notes
+    -----
+    With ``preview=True`` the bound is global and met by its law, to the digits of ``unresolved``: where fewer outputs
+    with a force in them are minimised or limited than there are actuators, laws may grow without end as they come
+    closer, and a small weight on forces ends that. Limit ``force`` to see what real actuators may do. With
+    ``preview=False`` and a road that comes to a second axle later, or is not white, the problem is not convex: the gain
+    is the best found by descent from that of the problem with preview, and the bound what this gain reaches.
+
+    Examples
+    --------
+    How far the passive quarter car is from the best suspension of the same working space and tyre load:
+
+    >>> import susp_ss as ss
+    >>> car, road = ss.QuarterCar(), ss.Road.iso8608("B", speed=20.0)
+    >>> passive = ss.ride_metrics(car, road)
+    >>> best = ss.active_bound(car, road, "bacc", {"sws": float(passive.sws), "dtl": float(passive.dtl)})
+    >>> best
+    active bound on QuarterCar: bacc >= 0.6014 m/s^2, passive 0.6842
+    >>> bool(abs(ss.ride_metrics(best.closed, road).bacc / best.bound - 1.0) < 1e-6)
+    True
+    """
+    if not isinstance(preview, (bool, np.bool_)):
+        raise TypeError(f"preview must be True or False, got {briefly(preview)}")
+    known = plant(vehicle, road, weighting, "active_bound")
+    goal = known.named(minimise, "minimise")
+    if len(goal) > 1:
+        raise ValueError(f"minimise must be an output at one place, got {minimise!r}; available: {', '.join(goal)}")
+    ((name, row),) = goal.items()
+    grid = _limits(known, {} if limits is None else limits, name)
+    problem = _Problem(known, vehicle, ride_metrics(vehicle, road, weighting=weighting), name, row, preview)
+    if not grid.sizes:
+        task = problem.task({str(one): float(value) for one, value in grid.items()})
+        found, _ = problem.bound(task)
+        if found is None:
+            raise ValueError(_beyond(known, task))
+        return found
+    points: list[ActiveBound | None] = []
+    last: Solution | None = None
+    for at in tracked(np.ndindex(*grid.sizes.values()), "bounding"):
+        found, last = problem.bound(
+            problem.task({str(one): float(value.values[at]) for one, value in grid.items()}), last
+        )
+        points.append(found)
+    return _front(grid, points, problem)
+
+
+class _Problem(NamedTuple):
+    """What all points of a front share."""
+
+    plant: Plant
+    vehicle: Any
+    passive: xr.Dataset
+    name: str
+    row: int
+    preview: bool
+
+    def task(self, limits: Mapping[str, float]) -> Task:
+        """The outputs of the system behind names, in proportion to the passive vehicle."""
+        known = self.plant
+        alone, forces = known.variances(Law(known.no_force)), known.forces
+        felt = np.abs(known.system.D[: len(known.layout.outputs)]).max(axis=1)
+        felt[forces] = 0.0
+        moved = felt > 0.0
+        force = float((alone[: len(felt)][moved] / felt[moved] ** 2).max()) if moved.any() else 1.0
+        row = int(known.rows[self.row])
+        size = force if row in np.arange(len(felt))[forces] else float(alone[row])
+        if known.still[self.row]:
+            raise ValueError(f"minimise: {self.name} is at rest on this road without any force")
+        rows = [int(known.rows[known.named(name, "limits")[name]]) for name in limits]
+        return Task(row, size, np.array(rows, dtype=int), np.array([*limits.values()]) ** 2, force, tuple(limits))
+
+    def bound(self, task: Task, start: Solution | None = None) -> tuple[ActiveBound | None, Solution | None]:
+        """The bound, and the solution from which one nearby may start; nothing where no law meets the limits."""
+        known, change = self.plant, np.inf
+        fine = solve(known, task, LIGHT[0], start)
+        if fine.excess(task).max(initial=0.0) > MET:
+            return None, None
+        for light in LIGHT[1:]:
+            coarse, fine = fine, solve(known, task, light, fine)
+            if fine.excess(task).max(initial=0.0) > MET:
+                return None, None
+            levels = [np.sqrt(one.variances[task.row] / task.size) for one in (coarse, fine)]
+            change = levels[0] - levels[1]
+            if change < RESOLVED:
+                break
+        law = fine.law
+        if known.looks_ahead and not self.preview:
+            law = best_gain(known, task, fine)
+        variances = known.variances(law)
+        bound = float(np.sqrt(variances[task.row]))
+        closed = known.closed(law.K, named=False) if law.weights is None or not known.looks_ahead else None
+        limits = np.sqrt(task.limits)
+        prices = fine.multipliers * task.size / (limits * bound)
+        return ActiveBound(
+            kind="active bound",
+            vehicle=self.vehicle,
+            road=known.road,
+            metrics=known.metrics(variances),
+            passive=self.passive,
+            closed=closed,
+            gain=known.gain(law.K),
+            minimise=self.name,
+            bound=bound,
+            unresolved=0.0 if change < RESOLVED else float(change / levels[1] / SLOWEST),
+            limits=dict(zip(task.names, limits.tolist(), strict=True)),
+            multipliers=dict(zip(task.names, prices.tolist(), strict=True)),
+            preview=self.preview,
+        ), fine
+
+
+def _limits(known: Plant, limits: Any, minimised: str) -> xr.Dataset:
+    """The limits of every output that they name, over common dims.
+
+    Raises
+    ------
+    TypeError, ValueError
+        No positive numbers, or the output that is minimised.
+    """
+    if not isinstance(limits, Mapping):
+        raise TypeError(f'limits must be a mapping such as {{"sws@fr": 0.02}}, got {briefly(limits)}')
+    found: dict[str, xr.DataArray] = {}
+    # A place's own limit goes before that of all places.
+    for name in sorted(limits, key=lambda name: "@" in str(name)):
+        places, given = known.named(name, "limits"), limits[name]
+        plain = given if isinstance(given, xr.DataArray) else np.asarray(given)
+        if plain.dtype.kind not in "iuf":
+            raise TypeError(f"limits: {name} must be a root mean square > 0 or an array of them, got {briefly(given)}")
+        if not (np.isfinite(plain).all() and (plain > 0.0).all()):
+            raise ValueError(f"limits: {name} must be finite and > 0, got {briefly(given)}")
+        if plain.ndim > 1 and not isinstance(plain, xr.DataArray):
+            raise ValueError(f"limits: {name} must be a number, a row of them or a DataArray, got {briefly(given)}")
+        taken = [dim for dim in getattr(plain, "dims", ()) if dim in known.layout.variables]
+        if taken:
+            raise ValueError(f"limits: {name} has a dim named {taken[0]!r} as a metric is; rename it, {taken[0]}_limit")
+        array = plain if isinstance(plain, xr.DataArray) else xr.DataArray(plain, dims=["limit"][: plain.ndim])
+        unit = known.layout.outputs.quantities[name.partition("@")[0]].unit
+        found |= dict.fromkeys(places, array.astype(float).assign_attrs(units=unit))
+    if minimised in found:
+        raise ValueError(f"limits: {minimised} is what is minimised; limit other outputs")
+    lengths = {array.sizes["limit"] for array in found.values() if "limit" in array.sizes}
+    if len(lengths) > 1:
+        raise ValueError(f"limits must be arrays of one length, got {', '.join(map(str, sorted(lengths)))}")
+    return xr.Dataset(dict(zip(found, xr.broadcast(*found.values()), strict=True)))
+
+
+def _beyond(known: Plant, task: Task) -> str:
+    """Say which limits no law meets: the least of each while the others are met, or by itself."""
+    said = []
+    for i, (name, row, limit) in enumerate(zip(task.names, task.rows, task.limits, strict=True)):
+        others = np.arange(len(task.rows)) != i
+        for kept in (others, np.zeros(len(others), dtype=bool)):
+            own = task._replace(row=int(row), size=float(limit), rows=task.rows[kept], limits=task.limits[kept])
+            solved = solve(known, own, LIGHT[-1])
+            if solved.excess(own).max(initial=0.0) <= MET:
+                break
+        least = float(np.sqrt(solved.variances[row]))
+        if least > np.sqrt(limit):
+            together = " while the others are met" if kept.any() else ""
+            unit = known.layout.outputs.quantities[name.partition("@")[0]].unit
+            said.append(f"{name} <= {np.sqrt(limit):.4g} {unit}, which is {least:.4g} at least{together}")
+    if not said:
+        nearest = np.sqrt(solve(known, task, LIGHT[-1]).variances[task.rows])
+        said = [f"{name} {value:.4g}" for name, value in zip(task.names, nearest.tolist(), strict=True)]
+        return f"no law meets the limits, though each by itself can be; nearest to all: {', '.join(said)}"
+    return f"no law meets the limits: {'; '.join(said)}"
+
+
+def _front(grid: xr.Dataset, points: list[ActiveBound | None], problem: _Problem) -> ActiveFront:
+    """All points over the dims of the limits."""
+    dims, shape = tuple(grid.sizes), tuple(grid.sizes.values())
+
+    def over(values: list[float], **attrs: Any) -> xr.DataArray:
+        return xr.DataArray(np.reshape(values, shape), dims=dims, coords=grid.coords, attrs=attrs)
+
+    met = next((point for point in points if point is not None), None)
+    if met is None:
+        raise ValueError("limits: no law meets any of them; pass one point of them to see which contradict")
+    missing = met.metrics * np.nan
+    rows = [missing if point is None else point.metrics for point in points]
+    metrics = xr.concat(rows, dim="point_", combine_attrs="override")
+    names = [str(name) for name in grid.data_vars]
+    metric = problem.name.partition("@")[0]
+    stacked = {
+        name: ((*dims, *data.dims[1:]), data.values.reshape(*shape, *data.shape[1:]), met.metrics[name].attrs)
+        for name, data in metrics.data_vars.items()
+    }
+    labels = {name: coord for name, coord in metrics.coords.items() if "point_" not in coord.dims}
+    return ActiveFront(
+        minimise=problem.name,
+        bound=over([np.nan if p is None else p.bound for p in points], units=met.metrics[metric].attrs["units"]),
+        metrics=xr.Dataset(stacked, {**labels, **grid.coords}),
+        multipliers=xr.Dataset(
+            {name: over([np.nan if p is None else p.multipliers[name] for p in points]) for name in names}
+        ),
+        passive=problem.passive,
+        limits={str(name): limit for name, limit in grid.items()},
+        points=points,
+    )

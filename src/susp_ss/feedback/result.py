@@ -1,0 +1,105 @@
+"""What a feedback law achieves, beside the passive vehicle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self
+
+import pandas as pd
+import xarray as xr
+
+from ..quantities import briefly
+from ..roads.road import Road
+from ..vehicles.contract import RoadVehicle
+from ..vehicles.linear import LinearVehicle
+
+if TYPE_CHECKING:
+    import control
+
+
+SHOWN = ("bacc", "sws", "dtl")
+"""Metrics that one line tells of, each at its first place."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Feedback:
+    """A feedback law on a vehicle on a road, and what it achieves there.
+
+    Attributes
+    ----------
+    kind : str
+        What made it, such as ``"lqr"``.
+    vehicle, road
+        What it was made for.
+    metrics, passive : xarray.Dataset
+        As `ride_metrics` gives them, of the closed loop, with ``force`` (N) on corner, and of the vehicle by itself.
+    closed : LinearVehicle or None
+        The closed loop, which stands wherever a vehicle may; None where the law looks ahead, which no finite system
+        does.
+    gain : xarray.DataArray or None
+        Forces per state, (force, state): ``u = gain x`` in the states of ``vehicle.state_space(input="velocity")``,
+        those of a weighting's filters behind them.
+    controller : control.StateSpace or None
+        From measured outputs to forces, where the law is one.
+    """
+
+    kind: str
+    vehicle: RoadVehicle
+    road: Road
+    metrics: xr.Dataset
+    passive: xr.Dataset
+    closed: LinearVehicle | None = None
+    gain: xr.DataArray | None = None
+    controller: control.StateSpace | None = None
+
+    def table(self) -> pd.DataFrame:
+        """Every metric at every place, passive and under the law, with the ratio of both."""
+        rows = {}
+        for name, data in self.metrics.data_vars.items():
+            passive = self.passive.get(name)
+            for place in data[data.dims[0]].values if data.dims else [""]:
+                at = {data.dims[0]: place} if data.dims else {}
+                own = float(data.sel(at))
+                before = float(passive.sel(at)) if passive is not None else 0.0
+                ratio = own / before if before else float("nan")
+                rows[f"{name}@{place}" if place else str(name)] = data.attrs["units"], before, own, ratio
+        return pd.DataFrame.from_dict(rows, orient="index", columns=["unit", "passive", self.kind, "ratio"])
+
+    def values(self, name: Any, where: str) -> dict[str, float]:
+        """The metrics that ``"sws@fr"``, or ``"sws"`` at every place, stands for.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Nothing stands under that name.
+        """
+        if not isinstance(name, str):
+            raise TypeError(f"{where} must be the name of a metric such as 'bacc@cg', got {briefly(name)}")
+        metric, _, place = name.partition("@")
+        if metric not in self.metrics:
+            raise ValueError(f"{where}: no metric named {metric!r}, available: {', '.join(map(str, self.metrics))}")
+        data = self.metrics[metric]
+        places = [str(one) for one in data[data.dims[0]].values] if data.dims else [""]
+        found = {
+            f"{metric}@{one}" if one else metric: float(x) for one, x in zip(places, data.values.flat, strict=True)
+        }
+        if place and name not in found:
+            raise ValueError(f"{where}: no {name!r}, available: {', '.join(found)}")
+        return {name: found[name]} if place else found
+
+    def value(self, name: str) -> float:
+        """One metric at one place."""
+        return self.values(name, "name")[name]
+
+    def renamed(self, numbers: str) -> Self:
+        """The same, with the numbers that it was tuned to beside its kind."""
+        return replace(self, kind=f"{self.kind}, {numbers}")
+
+    def __repr__(self) -> str:
+        table = self.table()
+        first = [next(iter(self.values(name, "name"))) for name in SHOWN if name in self.metrics]
+        said = ", ".join(f"{name} {table.ratio[name]:.2f}" for name in first)
+        return f"{self.kind} on {type(self.vehicle).__name__}: {said} of passive"
+
+    def _repr_html_(self) -> str:
+        return self.table().to_html()

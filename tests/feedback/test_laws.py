@@ -1,0 +1,140 @@
+"""Laws against python-control, written out by hand, and their closed loops wherever a vehicle may stand."""
+
+import control as ct
+import numpy as np
+import pytest
+import xarray as xr
+
+import susp_ss as ss
+
+ROAD = ss.Road()
+CAR = ss.QuarterCar(cs=900.0)
+WEIGHTS = {"bacc": 1.0, "sws": 1e4, "dtl": 1e-6}
+
+
+def h2(A, W, c, road=ROAD):
+    return ct.norm(ct.ss(A, W, c, 0.0), 2) * np.sqrt(road.intensity)
+
+
+def test_the_regulator_is_that_of_python_control():
+    system = CAR.state_space(input="velocity", actuators=True)
+    A, B, C, D = system.A, system.B[:, [1]], system.C, system.D[:, [1]]
+    rows = [system.output_labels.index(name) for name in WEIGHTS]
+    W = np.diag([*WEIGHTS.values()])
+    K, *_ = ct.lqr(A, B, C[rows].T @ W @ C[rows], D[rows].T @ W @ D[rows], C[rows].T @ W @ D[rows])
+    law = ss.lqr(CAR, ROAD, WEIGHTS)
+    np.testing.assert_allclose(law.gain, -K, rtol=1e-8)
+    for name in WEIGHTS:
+        row = system.output_labels.index(name)
+        expected = h2(A - B @ K, system.B[:, [0]], C[[row]] - D[[row]] @ K)
+        assert float(law.metrics[name]) == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.01])
+def test_hybrid_written_out(lag):
+    law = ss.hybrid(CAR, ROAD, sky=1500.0, ground=300.0, lag=lag)
+    system = CAR.state_space(input="velocity", actuators=True)
+    A, W, B = system.A, system.B[:, [0]], system.B[:, [1]]
+    k = np.array([[300.0 if name == "dz_u" else -1500.0 if name == "dz_s" else 0.0 for name in system.state_labels]])
+    for name in ("bacc", "sws", "dtl"):
+        row = system.output_labels.index(name)
+        c, d = system.C[[row]], system.D[[row]][:, [1]]
+        if lag:
+            whole = np.block([[A, B], [k / lag, np.array([[-1.0 / lag]])]])
+            expected = h2(whole, np.vstack([W, [[0.0]]]), np.hstack([c, d]))
+        else:
+            expected = h2(A + B @ k, W, c + d @ k)
+        assert float(law.metrics[name]) == pytest.approx(expected, rel=1e-8)
+    assert (law.gain is None) == (lag > 0.0)
+
+
+def test_a_sky_and_a_ground_alone_are_hybrids():
+    car = ss.FullCar(cs=900.0)
+    for one, other in [
+        (ss.skyhook(car, ss.DEFAULT_ROAD, 1200.0), ss.hybrid(car, ss.DEFAULT_ROAD, 1200.0, 0.0)),
+        (ss.groundhook(car, ss.DEFAULT_ROAD, 400.0), ss.hybrid(car, ss.DEFAULT_ROAD, 0.0, 400.0)),
+    ]:
+        xr.testing.assert_allclose(one.metrics, other.metrics)
+
+
+def test_good_sensors_bring_the_estimate_to_the_regulator():
+    law = ss.lqr(CAR, ROAD, WEIGHTS)
+    errors = [
+        float(ss.lqg(CAR, ROAD, WEIGHTS, {"bacc": noise, "sws": 0.01 * noise}).metrics.bacc / law.metrics.bacc) - 1.0
+        for noise in (1e-2, 1e-4, 1e-6)
+    ]
+    assert abs(errors[2]) < 1e-3 < abs(errors[0])
+
+
+def test_the_estimator_written_out():
+    """The controller around the plant by python-control's interconnection gives the same metrics."""
+    law = ss.lqg(CAR, ROAD, WEIGHTS, {"bacc": 0.01, "sws": 1e-4})
+    plant = CAR.state_space(input="velocity", actuators=True)
+    loop = ct.interconnect([plant, law.controller], inputs="dz_r", outputs=plant.output_labels)
+    again = ss.ride_metrics(ss.LinearVehicle(loop, like=CAR), ROAD)
+    for name in ("bacc", "sws", "dtl"):
+        assert float(again[name]) == pytest.approx(float(law.metrics[name]), rel=1e-7)
+
+
+@pytest.mark.parametrize("law", ["lqr", "hybrid", "bound"])
+def test_a_closed_loop_stands_wherever_a_vehicle_may(law):
+    car, road = ss.FullCar(), ss.DEFAULT_ROAD
+    if law == "lqr":
+        made = ss.lqr(car, road, {"bacc": 1.0, "sws": 1e3, "force": 1e-7})
+    elif law == "hybrid":
+        made = ss.hybrid(car, road, 1500.0, 300.0, lag=0.005)
+    else:
+        road = ss.Road(tracks="isotropic", delay=False)
+        made = ss.active_bound(car, ss.Road(tracks="independent", delay=False), "bacc@cg", {"sws": 0.006, "dtl": 450.0})
+    exact = ss.ride_metrics(made.closed, road)
+    spectral = ss.ride_metrics(made.closed, road, method="spectral")
+    np.testing.assert_allclose(spectral.bacc, exact.bacc, rtol=2e-3)
+    np.testing.assert_allclose(spectral.force, exact.force, rtol=2e-3)
+    response = ss.frequency_response(made.closed, np.array([0.5, 1.5, 10.0]))
+    assert np.isfinite(response).all()
+    time = np.linspace(0.0, 0.5, 251)
+    heights = xr.DataArray(0.01 * np.sin(20.0 * time), dims="time", coords={"time": time})
+    flat = dict.fromkeys(("fr", "fl", "rr", "rl"), heights.values)
+    history = ss.simulate(made.closed, flat, time)
+    assert np.isfinite(history.bacc).all()
+
+
+def test_a_loop_far_faster_than_its_filter_is_parted():
+    """Gains that make modes a million times as fast as those of the weighting once kept `LinearVehicle` for ever."""
+    law = ss.lqr(CAR, ROAD, {"bacc": 1.0, "sws": 1e3, "dtl": 1e-6, "force": 1e-12}, weighting="Wk")
+    assert 0.0 < float(law.metrics.bacc) < float(law.passive.bacc)
+
+
+def test_tuning_finds_the_best_of_a_grid():
+    limit = 1.01 * float(ss.ride_metrics(CAR, ROAD).dtl)
+
+    def law(gain):
+        return ss.skyhook(CAR, ROAD, gain)
+
+    best = ss.tuned(law, {"gain": 800.0}, "bacc", {"dtl": limit})
+    grid = [law(float(gain)).metrics for gain in np.linspace(100.0, 6000.0, 60)]
+    met = [float(metrics.bacc) for metrics in grid if float(metrics.dtl) <= limit]
+    assert float(best.metrics.bacc) <= min(met) * (1.0 + 1e-6)
+    assert float(best.metrics.dtl) <= limit * (1.0 + 1e-6)
+    assert repr(best).startswith("skyhook, gain ")
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: ss.lqr(ss.FullCar(), ROAD, {"bacc@cg": 1.0}), "every one of the 4 forces cost something"),
+        (lambda: ss.lqr(CAR, ROAD, {"bacc": -1.0}), "bacc must be finite and > 0, got -1.0"),
+        (lambda: ss.lqr(CAR, ROAD, {"bac": 1.0}), "no output named 'bac', available: bacc"),
+        (lambda: ss.lqr(CAR, ROAD, None), "weights must be a mapping"),
+        (lambda: ss.lqg(CAR, ROAD, WEIGHTS, {}), "sensors must name at least one output"),
+        (lambda: ss.lqg(CAR, ROAD, WEIGHTS, {"sws": 0.0}), "sws must be finite and > 0"),
+        (lambda: ss.skyhook(CAR, ROAD, "1"), "must be a number >= 0, got '1'"),
+        (lambda: ss.skyhook(CAR, ROAD, 1.0, lag=-1.0), "skyhook\\(lag=...\\) must be finite and >= 0"),
+        (lambda: ss.skyhook(CAR, None, 1.0), "road must be a Road"),
+        (lambda: ss.tuned(lambda gain: ss.skyhook(CAR, ROAD, gain), {}), "start must be a mapping of numbers > 0"),
+        (lambda: ss.tuned(lambda gain: ss.skyhook(CAR, ROAD, gain), {"gain": 9.0}, "bac"), "no metric named 'bac'"),
+    ],
+)
+def test_wrong_arguments_are_refused_in_one_line(make, said):
+    with pytest.raises((TypeError, ValueError), match=said):
+        make()
