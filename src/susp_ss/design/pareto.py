@@ -21,6 +21,7 @@ from ..responses.settings import settable
 from ..roads.road import Road
 from ..vehicles.curves import rate_of
 from ..vehicles.vehicle import Vehicle
+from .bounds import REPLACED, bounded, bounds
 from .problem import Problem
 from .scenarios import Scenarios, checked_scenarios
 from .search import BESIDE, Point, Search
@@ -56,7 +57,10 @@ class ParetoFront:
     scenarios : Scenarios or None
         What they were averaged over.
     evaluations : dict of str to int
-        How often metrics (``values``) and their derivatives (``slopes``) of one design were computed.
+        How often metrics (``values``) and their derivatives (``slopes``) of one design were computed by the descents.
+    bound : ndarray, (designs,), or None
+        Where asked for, what no suspension beats: the least first objective over all feedback laws that keep the second,
+        and the deflection and tyre load at every corner, where the design has them (`active_bound`).
     """
 
     vehicle: Vehicle
@@ -69,6 +73,7 @@ class ParetoFront:
     own: xr.Dataset
     scenarios: Scenarios | None
     evaluations: Mapping[str, int]
+    bound: Array | None = None
 
     @property
     def named(self) -> tuple[str, ...]:
@@ -77,7 +82,8 @@ class ParetoFront:
 
     def table(self) -> pd.DataFrame:
         """Variables, objectives and limited metrics of every design, in SI units."""
-        return self.designs.assign(**{name: output(self.metrics, name).to_numpy() for name in self.named})
+        table = self.designs.assign(**{name: output(self.metrics, name).to_numpy() for name in self.named})
+        return table if self.bound is None else table.assign(bound=self.bound)
 
     def passive(self) -> pd.Series:
         """The same of the vehicle itself; NaN where its wheels differ in a variable."""
@@ -119,6 +125,7 @@ def pareto_front(
     weighting: Any = None,
     scenarios: Any = None,
     statistic: str | float = "mean",
+    bound: bool = False,
 ) -> ParetoFront:
     """Find the designs of a vehicle that no other beats in one objective without losing in the other.
 
@@ -152,6 +159,9 @@ def pareto_front(
         Every metric is then its statistic over scenarios.
     statistic : {"mean", "worst"} or float
         Over scenarios: the weighted mean, the largest value, or a quantile between 0 and 1.
+    bound : bool
+        Whether to compute how far each design is from what any suspension could do, half a second each. It takes
+        variables that are springs, dampers or anti-roll bars, and no scenarios.
 
     Returns
     -------
@@ -180,6 +190,7 @@ def pareto_front(
     """
     problem, ceilings = _problem(vehicle, road, variables, objectives, limits, weighting, scenarios, statistic)
     count = whole_number("points", points, 2)
+    _check_bound(bound, problem)
     search = Search(problem)
     by_place = {problem.names.index(name): limit for name, limit in ceilings.items()}
     if len(objectives) == 1:
@@ -187,17 +198,19 @@ def pareto_front(
     else:
         found = _front(search, by_place, ceilings, count)
     designs = problem.designs(np.stack([point.u for point in found]))
+    metrics = problem.metrics(designs)
     return ParetoFront(
-        vehicle,
-        road,
-        problem.variables,
-        tuple(objectives),
-        ceilings,
-        designs,
-        problem.metrics(designs),
-        problem.own(),
-        problem.scenarios,
-        search.evaluated,
+        vehicle=vehicle,
+        road=road,
+        variables=problem.variables,
+        objectives=tuple(objectives),
+        limits=ceilings,
+        designs=designs,
+        metrics=metrics,
+        own=problem.own(),
+        scenarios=problem.scenarios,
+        evaluations=search.evaluated,
+        bound=bounds(vehicle, road, tuple(objectives), metrics, weighting) if bound else None,
     )
 
 
@@ -304,6 +317,16 @@ def _problem(
         if not 0.0 < value < np.inf:
             raise ValueError(f"{name} is {value:g} for every design on this road; pass another")
     return problem, ceilings
+
+
+def _check_bound(bound: Any, problem: Problem) -> None:
+    if not isinstance(bound, (bool, np.bool_)):
+        raise TypeError(f"bound must be True or False, got {briefly(bound)}")
+    fields = [problem.vehicle.settings()[name][0] for name in problem.variables]
+    if bound and (problem.scenarios is not None or not bounded(fields)):
+        raise ValueError(
+            f"bound=True takes no scenarios, and variables among {', '.join(REPLACED)}, got {', '.join(problem.variables)}"
+        )
 
 
 def _checked_variables(vehicle: Vehicle, variables: Any) -> dict[str, tuple[float, float]]:

@@ -36,6 +36,11 @@ class Scenarios(NamedTuple):
     def __len__(self) -> int:
         return len(self.weights)
 
+    @property
+    def said(self) -> str:
+        """The statistic in words."""
+        return self.statistic if isinstance(self.statistic, str) else f"{self.statistic:g} quantile"
+
     def of(self, values: Array) -> Array:
         """The statistic (N, ...) of values (N, scenarios, ...)."""
         if self.statistic == "mean":
@@ -49,11 +54,9 @@ class Scenarios(NamedTuple):
 
     def of_metrics(self, metrics: xr.Dataset) -> xr.Dataset:
         """The statistic on dim ``design`` of metrics on that dim, every design in one scenario after another."""
-        said = self.statistic if isinstance(self.statistic, str) else f"{self.statistic:g} quantile"
-
         def one(data: xr.DataArray) -> xr.DataArray:
             values = data.to_numpy()
-            attrs = {**data.attrs, "long_name": f"{said} over scenarios of {data.attrs['long_name']}"}
+            attrs = {**data.attrs, "long_name": f"{self.said} over scenarios of {data.attrs['long_name']}"}
             apart = values.reshape(-1, len(self), *values.shape[1:])
             return xr.DataArray(self.of(apart), dims=data.dims, attrs=attrs)
 

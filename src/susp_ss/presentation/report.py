@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from ..design import ParetoFront
 from ..feedback import ActiveBound, ActiveFront, Feedback
 from ..fit.fitting import Fit
 from ..study.feasibility import Study
 from ..study.scan import Scan
+from .text.design import design_text
 from .text.feedback import bound_text, feedback_text, front_text
 from .text.fit import fit_text
 from .text.scan import scan_text
@@ -21,6 +23,7 @@ TEXTS: dict[type, Callable[[Any], str]] = {
     Feedback: feedback_text,
     ActiveBound: bound_text,
     ActiveFront: front_text,
+    ParetoFront: design_text,
 }
 
 
@@ -31,10 +34,12 @@ def report(result: Any) -> str:
     `Fit`: for each output the ranking, the choice, what the cheap model was worth, and the formula. Of a `Scan`: the
     nearest scenarios, and what each assumption can and cannot reach. Of a `Feedback`, an `ActiveBound` or an
     `ActiveFront`: every metric beside the passive vehicle's, the gain, and what limits cost.
+ Of a `ParetoFront`: its
+    designs, and what they gain over the vehicle itself.
 
     Parameters
     ----------
-    result : Study, Fit, Scan, Feedback, ActiveBound or ActiveFront
+    result : Study, Fit, Scan, Feedback, ActiveBound, ActiveFront or ParetoFront
 
     Returns
     -------

@@ -15,6 +15,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ..extras import needing
+from ..design import ParetoFront
 from ..feedback import ActiveBound, ActiveFront, Feedback
 from ..fit.fitting import Fit
 from ..responses.covariance import linearised
@@ -24,6 +25,7 @@ from ..study.scan import Scan
 from . import plots
 from .documents import study_document
 from .folder import write_results
+from .text.design import design_text
 from .text.feedback import bound_text, feedback_text, front_text
 from .text.fit import fit_text
 
@@ -56,6 +58,8 @@ SCAN, SCAN_PICTURE = "scan.csv", "scan.png"
 
 LAW, GAIN, LAW_TEXT, LAW_PICTURE = "feedback.csv", "gain.csv", "feedback.txt", "feedback.png"
 
+FRONT, FRONT_METRICS, FRONT_TEXT, FRONT_PICTURE = "front.csv", "metrics.nc", "front.txt", "front.png"
+
 
 def save(result: Any, folder: str | PathLike[str], force: bool = False, figures: bool = True) -> None:
     """Write a result into a folder.
@@ -65,12 +69,13 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
     ``surrogate.json``, ``accuracy.csv``, ``predictions.csv``, ``figures/``, ``report.md`` and ``report.html``. A `Scan`
     becomes ``scan.csv`` and ``scan.png``. A `Feedback`, an `ActiveBound` or an `ActiveFront` becomes ``feedback.csv``
     (every metric beside the passive vehicle's, or the front), ``gain.csv`` where there is one gain, ``feedback.txt``
-    and ``feedback.png``. A page is one file that opens in a browser without a network; it needs the
+    and ``feedback.png``. A `ParetoFront` becomes ``front.csv`` (a row a design), ``metrics.nc``, ``front.txt`` and
+    ``front.png``. A page is one file that opens in a browser without a network; it needs the
     extra ``pages``.
 
     Parameters
     ----------
-    result : Study, Fit, Scan, Feedback, ActiveBound or ActiveFront
+    result : Study, Fit, Scan, Feedback, ActiveBound, ActiveFront or ParetoFront
     folder : path
         Made if missing.
     force : bool
@@ -279,6 +284,17 @@ def _write_front(front: ActiveFront, folder: Path, figures: bool) -> None:
         plots.feedback(front).savefig(folder / LAW_PICTURE)
 
 
+# Designs
+
+
+def _write_designs(front: ParetoFront, folder: Path, figures: bool) -> None:
+    front.table().to_csv(folder / FRONT, index_label="design")
+    front.metrics.to_netcdf(folder / FRONT_METRICS, engine="scipy")
+    (folder / FRONT_TEXT).write_text(design_text(front), encoding="utf-8")
+    if figures and len(front.designs) > 1:
+        plots.pareto(front).savefig(folder / FRONT_PICTURE)
+
+
 KINDS: dict[type, Kind] = {
     Study: Kind((*TABLES, PAGE, *STILLS.values()), _write_study),
     Fit: Kind((SURROGATE, REPORT, PAGE, ACCURACY, PREDICTIONS), _write_fit),
@@ -286,4 +302,5 @@ KINDS: dict[type, Kind] = {
     Feedback: Kind((LAW, GAIN, LAW_TEXT, LAW_PICTURE), _write_law),
     ActiveBound: Kind((LAW, GAIN, LAW_TEXT, LAW_PICTURE), _write_law),
     ActiveFront: Kind((LAW, LAW_TEXT, LAW_PICTURE), _write_front),
+    ParetoFront: Kind((FRONT, FRONT_METRICS, FRONT_TEXT, FRONT_PICTURE), _write_designs),
 }

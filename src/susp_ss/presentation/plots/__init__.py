@@ -11,6 +11,7 @@ from .feedback import feedback
 from .fitted import fitted_map
 from .frequency import bode, bode_magnitude, psd, study_curves
 from .modes import mode_shape, mode_shapes
+from .pareto import pareto
 from .scan import scenario_scan
 from .steering import steering
 from .study import error_map, response_surfaces
@@ -33,6 +34,7 @@ __all__ = [
     "learning_curves",
     "mode_shape",
     "mode_shapes",
+    "pareto",
     "parity",
     "psd",
     "residuals",
