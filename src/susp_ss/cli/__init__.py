@@ -1,4 +1,4 @@
-"""The command line: ``susp-ss study | metrics | bode | handling | sweep | fit | predict | export | doctor``.
+"""The command line: ``susp-ss study | metrics | bode | handling | sweep | optimise | fit | predict | export | doctor``.
 
 Bad input ends with exit code 2 and one line on stderr; whatever else goes wrong is a bug and keeps its traceback.
 Numerical libraries are imported inside the commands, so that ``--help`` answers at once.
@@ -13,12 +13,12 @@ from typing import Annotated
 
 import typer
 
-from . import bode, doctor, export, fit, handling, metrics, predict, study, sweep
+from . import bode, doctor, export, fit, handling, metrics, optimise, predict, study, sweep
 from .commands import Command, Commands
 from .refusals import Refusal
 
 app = typer.Typer(cls=Commands, no_args_is_help=False, pretty_exceptions_enable=False)
-for _module in (study, metrics, bode, handling, sweep, fit, predict, export, doctor):
+for _module in (study, metrics, bode, handling, sweep, optimise, fit, predict, export, doctor):
     app.command(_module.__name__.rpartition(".")[2], cls=Command)(_module.run)
 
 

@@ -109,7 +109,7 @@ def run(
     record = {name: value for name, value in (("duration", length), ("seed", seed)) if value is not None}
     if record and method != "time":
         raise Refusal(f"--{next(iter(record))} belongs to --method time, got --method {method}")
-    more: dict[str, Any] = {"weighting": _weightings(weighting or []), "points": _points(point or [])}
+    more: dict[str, Any] = {"weighting": weightings(weighting or []), "points": _points(point or [])}
     with refusals(), Console(stderr=True).status("computing"):
         asked = read_system(system, vehicle) if system else vehicle
         result = ride_metrics(asked, road, method=method, **more, **record)
@@ -150,8 +150,8 @@ def _document(vehicle: dict[str, Any], road: "Road", method: str, result: "xr.Da
     }
 
 
-def _weightings(given: list[str]) -> Any:
-    """One name for all, or names by output."""
+def weightings(given: list[str]) -> Any:
+    """One name of ``--weighting`` for all, or names by output."""
     named = [text.partition("=") for text in names(given)]
     everywhere = [name for name, equals, _ in named if not equals]
     if not named:

@@ -310,7 +310,11 @@ def _problem(
             raise ValueError(f"limits[{name!r}] must be a number > 0 {output(like, name).attrs['units']}, got {briefly(limit)}")
         ceilings[name] = float(limit)
     names = tuple(dict.fromkeys([*objectives, *ceilings]))
-    over = None if scenarios is None else checked_scenarios(vehicle, scenarios, statistic, box)
+    over = None
+    if scenarios is not None:
+        over = checked_scenarios(vehicle, scenarios, statistic, box)
+    elif statistic != "mean":
+        raise ValueError(f"statistic is taken over scenarios, got {briefly(statistic)} without any; pass scenarios")
     problem = Problem(vehicle, road, box, names, weighting, over)
     for name in names:
         value = output(problem.own(), name).item()

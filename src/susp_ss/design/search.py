@@ -73,8 +73,10 @@ class Search:
 
     def _starts(self, costs: Mapping[int, float], limits: Mapping[int, float], near: Sequence[Array]) -> list[Array]:
         """Where to start: near others' solutions, and from the best of the sample."""
-        over = np.max([self.seen[:, i] / limit - 1.0 for i, limit in limits.items()], axis=0, initial=0.0)
-        order = np.lexsort((self._cost(self.seen, costs), over.clip(min=0.0)))
+        over = np.zeros(len(self.seen))
+        for i, limit in limits.items():
+            over = np.maximum(over, self.seen[:, i] / limit - 1.0)
+        order = np.lexsort((self._cost(self.seen, costs), over))
         chosen = list(near)
         for u in self.U[order]:
             if len(chosen) >= max(STARTS if not near else 0, len(near) + 1):

@@ -86,4 +86,4 @@ def _ranged(front: ParetoFront, name: str) -> str:
     quantity = front.vehicle.quantities()[front.vehicle.settings()[name][0]]
     axis = shown(quantity.name) if quantity.name in KNOWN else None
     low, high = (end / (axis.one if axis else 1.0) for end in front.variables[name])
-    return f"{titled(name, axis.unit if axis else quantity.unit)}\n{low:.3g} to {high:.3g}"
+    return f"{titled(name, axis.unit if axis else quantity.unit)}\n{low:.5g} to {high:.5g}"
