@@ -172,7 +172,9 @@ def _scenarios(path: Path) -> dict[str, list[float]]:
     (_, header), *rows = records
     for line, row in rows:
         if len(row) != len(header):
-            raise Refusal(f"--scenarios {path}, line {line}: needs {len(header)} columns as the first line, got {len(row)}")
+            raise Refusal(
+                f"--scenarios {path}, line {line}: needs {len(header)} columns as the first line, got {len(row)}"
+            )
     with refusals():
         cells = [(f"--scenarios {path}, line {line}", cell) for line, row in rows for cell in row]
         sign = written.decimal_sign(cells, separator)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -24,7 +25,7 @@ from ..vehicles.vehicle import Vehicle
 from .bounds import REPLACED, bounded, bounds
 from .problem import Problem
 from .scenarios import Scenarios, checked_scenarios
-from .search import BESIDE, Point, Search
+from .search import MET, Point, Search
 
 Array = NDArray[np.float64]
 
@@ -59,8 +60,8 @@ class ParetoFront:
     evaluations : dict of str to int
         How often metrics (``values``) and their derivatives (``slopes``) of one design were computed by the descents.
     bound : ndarray, (designs,), or None
-        Where asked for, what no suspension beats: the least first objective over all feedback laws that keep the second,
-        and the deflection and tyre load at every corner, where the design has them (`active_bound`).
+        Where asked for, what no suspension beats: the least first objective over all feedback laws that keep the
+        second, and the deflection and tyre load at every corner, where the design has them (`active_bound`).
     """
 
     vehicle: Vehicle
@@ -99,7 +100,7 @@ class ParetoFront:
 
     def vehicle_of(self, design: int) -> Vehicle:
         """The vehicle of a design, by its row."""
-        return self.vehicle.replaced(**self.designs.iloc[design].to_dict())
+        return self.vehicle.replaced(**{name: self.designs[name].iloc[design] for name in self.variables})
 
     def __repr__(self) -> str:
         table, own = self.table(), self.passive()
@@ -129,11 +130,11 @@ def pareto_front(
 ) -> ParetoFront:
     """Find the designs of a vehicle that no other beats in one objective without losing in the other.
 
-    Each end of the front minimises one objective alone. Then, one point after another, the longest gap between
-    neighbours is halved: ``min f1(x) + 1e-4 f2(x)`` such that ``f2(x) <= e`` midway, and ``f_i(x) <= l_i`` for the
-    limits, all metrics in proportion to their usual size (the augmented epsilon constraint). Each is a sequential
-    quadratic programme (SLSQP) on exact derivatives (`sensitivity`), started between its neighbours and from the best of
-    2048 designs that fill the ranges.
+    Each end of the front minimises one objective alone, and the other among all designs that do. Then, one point after
+    another, the longest gap between neighbours is halved: ``min f1(x)`` such that ``f2(x) <= e`` midway, and
+    ``f_i(x) <= l_i`` for the limits (the epsilon constraint; by the other objective where that is farther apart). Each
+    is a sequential quadratic programme (SLSQP) on exact derivatives (`sensitivity`), started between its neighbours and
+    from the best of 2048 designs that fill the ranges.
 
     Parameters
     ----------
@@ -193,10 +194,7 @@ def pareto_front(
     _check_bound(bound, problem)
     search = Search(problem)
     by_place = {problem.names.index(name): limit for name, limit in ceilings.items()}
-    if len(objectives) == 1:
-        found = [_end(search, {0: 1.0}, by_place, ceilings)]
-    else:
-        found = _front(search, by_place, ceilings, count)
+    found = [_end(search, 0, by_place, ceilings)] if len(objectives) == 1 else _front(search, by_place, ceilings, count)
     designs = problem.designs(np.stack([point.u for point in found]))
     metrics = problem.metrics(designs)
     return ParetoFront(
@@ -218,8 +216,8 @@ def _front(search: Search, limits: Mapping[int, float], ceilings: Mapping[str, f
     """Points of the front, from the least of the first objective to the least of the second."""
     with progress("points of the front", total=count) as shown:
         found = []
-        for costs in ({0: 1.0, 1: BESIDE}, {1: 1.0, 0: BESIDE}):
-            found.append(_end(search, costs, limits, ceilings))
+        for goal in (0, 1):
+            found.append(_settled(search, goal, _end(search, goal, limits, ceilings), limits))
             shown.advance()
         extent = np.abs(found[0].values[:2] - found[1].values[:2])
         if (extent <= SAME * search.sizes[:2]).any():
@@ -228,7 +226,7 @@ def _front(search: Search, limits: Mapping[int, float], ceilings: Mapping[str, f
         while len(found) < count:
             gaps = [
                 (float(np.linalg.norm((a.values - b.values)[:2] / extent)), i)
-                for i, (a, b) in enumerate(zip(found[:-1], found[1:], strict=True))
+                for i, (a, b) in enumerate(itertools.pairwise(found))
                 if (a.u.tobytes(), b.u.tobytes()) not in closed
             ]
             if not gaps:
@@ -249,7 +247,15 @@ def _between(search: Search, a: Point, b: Point, limits: Mapping[int, float], ex
     held = int(np.argmax(np.abs(a.values - b.values)[:2] / extent))
     midway = 0.5 * (a.values[held] + b.values[held])
     tighter = {**limits, held: min(midway, limits.get(held, np.inf))}
-    return search.least({1 - held: 1.0, held: BESIDE}, tighter, [0.5 * (a.u + b.u)])
+    return search.least(1 - held, tighter, [0.5 * (a.u + b.u)])
+
+
+def _settled(search: Search, goal: int, end: Point, limits: Mapping[int, float]) -> Point:
+    """Of all designs that are as good as an end of the front, the best in the other objective."""
+    other = 1 - goal
+    as_good = {**limits, goal: float(end.values[goal]) * (1.0 + MET)}
+    found = search.least(other, as_good, [end.u])
+    return end if found is None or found.values[other] > end.values[other] else found
 
 
 def _undominated(points: Sequence[Point]) -> list[Point]:
@@ -261,20 +267,18 @@ def _undominated(points: Sequence[Point]) -> list[Point]:
     return kept
 
 
-def _end(
-    search: Search, costs: Mapping[int, float], limits: Mapping[int, float], ceilings: Mapping[str, float]
-) -> Point:
-    """The design of least cost, or say which limits are out of reach."""
-    found = search.least(costs, limits)
+def _end(search: Search, goal: int, limits: Mapping[int, float], ceilings: Mapping[str, float]) -> Point:
+    """The design that minimises one metric alone, or say which limits are out of reach."""
+    found = search.least(goal, limits)
     if found is None:
         nearest = search.nearest(limits)
         if search.excess(nearest.values, limits) <= 1e-7:
-            found = search.least(costs, limits, [nearest.u])
+            found = search.least(goal, limits, [nearest.u])
     if found is not None:
         return found
     names, said = search.problem.names, []
     for i, limit in limits.items():
-        least = search.least({i: 1.0}, {})
+        least = search.least(i, {})
         if least is not None and least.values[i] > limit:
             said.append(f"{names[i]} <= {limit:g} is out of reach, least {least.values[i]:.4g}")
     if not said:
@@ -284,19 +288,30 @@ def _end(
 
 
 def _problem(
-    vehicle: Any, road: Any, variables: Any, objectives: Any, limits: Any, weighting: Any, scenarios: Any, statistic: Any
+    vehicle: Any,
+    road: Any,
+    variables: Any,
+    objectives: Any,
+    limits: Any,
+    weighting: Any,
+    scenarios: Any,
+    statistic: Any,
 ) -> tuple[Problem, dict[str, float]]:
     """What is searched and its limits, or say what is wrong."""
     check_kinds(vehicle, road)
     if not isinstance(vehicle, Vehicle) or vehicle.layout().controls:
-        raise TypeError(f"pareto_front needs a vehicle of springs and dampers, such as FullCar(), got {briefly(vehicle)}")
+        raise TypeError(
+            f"pareto_front needs a vehicle of springs and dampers, such as FullCar(), got {briefly(vehicle)}"
+        )
     if vehicle.design_space().dims:
         raise ValueError("pareto_front needs a vehicle with one number for every parameter, got arrays")
     road.single("pareto_front")
     box = _checked_variables(vehicle, variables)
     like = template(vehicle.layout(), "covariance", filters(weighting, vehicle.layout()), vehicle.curved)
     if isinstance(objectives, str) or not isinstance(objectives, Sequence) or not 1 <= len(objectives) <= 2:
-        raise TypeError(f'objectives must be two names, or one, such as ("bacc@cg", "dtl@fr"), got {briefly(objectives)}')
+        raise TypeError(
+            f'objectives must be two names, or one, such as ("bacc@cg", "dtl@fr"), got {briefly(objectives)}'
+        )
     for name in objectives:
         check_output(name, like, "objectives", one=True)
     if len(set(objectives)) < len(objectives):
@@ -307,7 +322,9 @@ def _problem(
     for name, limit in (limits or {}).items():
         check_output(name, like, "limits", one=True)
         if isinstance(limit, bool) or not isinstance(limit, (int, float, np.number)) or not 0.0 < limit < np.inf:
-            raise ValueError(f"limits[{name!r}] must be a number > 0 {output(like, name).attrs['units']}, got {briefly(limit)}")
+            raise ValueError(
+                f"limits[{name!r}] must be a number > 0 {output(like, name).attrs['units']}, got {briefly(limit)}"
+            )
         ceilings[name] = float(limit)
     names = tuple(dict.fromkeys([*objectives, *ceilings]))
     over = None
@@ -329,7 +346,8 @@ def _check_bound(bound: Any, problem: Problem) -> None:
     fields = [problem.vehicle.settings()[name][0] for name in problem.variables]
     if bound and (problem.scenarios is not None or not bounded(fields)):
         raise ValueError(
-            f"bound=True takes no scenarios, and variables among {', '.join(REPLACED)}, got {', '.join(problem.variables)}"
+            f"bound=True takes no scenarios, and variables among {', '.join(REPLACED)}, got "
+            f"{', '.join(problem.variables)}"
         )
 
 

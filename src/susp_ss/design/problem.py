@@ -58,6 +58,11 @@ class Problem:
         """Widths of the ranges."""
         return np.array([high - low for low, high in self.variables.values()])
 
+    @property
+    def smooth(self) -> bool:
+        """Whether metrics have no kinks where another scenario becomes the one that counts."""
+        return self.scenarios is None or self.scenarios.statistic == "mean"
+
     def designs(self, U: Array) -> pd.DataFrame:
         """Points of the unit cube (N, k) in the variables' units."""
         # No rounding leaves a range.
@@ -68,7 +73,9 @@ class Problem:
         """All metrics on dim ``design``."""
         scenarios = self.scenarios
         if scenarios is None:
-            return ride_metrics(*self._with({name: column.to_numpy() for name, column in designs.items()}), weighting=self.weighting)
+            return ride_metrics(
+                *self._with({name: column.to_numpy() for name, column in designs.items()}), weighting=self.weighting
+            )
         size, parts = max(1, TOGETHER // len(scenarios)), []
         for start in range(0, len(designs), size):
             some = designs.iloc[start : start + size]
@@ -99,7 +106,7 @@ class Problem:
     def slopes(self, u: Array) -> Array:
         """Derivatives (names, k) along the unit cube: exact, over scenarios central differences of one batch."""
         if self.scenarios is not None:
-            return self._differences(u, STEP if self.scenarios.statistic == "mean" else WIDE_STEP)
+            return self._differences(u, STEP if self.smooth else WIDE_STEP)
         vehicle, road = self._with(self.designs(u[None]).iloc[0])
         found = sensitivity(vehicle, road, list(self.variables), weighting=self.weighting)
         return np.stack([output(found, name).to_numpy() for name in self.names]) * self.width

@@ -54,6 +54,7 @@ class Scenarios(NamedTuple):
 
     def of_metrics(self, metrics: xr.Dataset) -> xr.Dataset:
         """The statistic on dim ``design`` of metrics on that dim, every design in one scenario after another."""
+
         def one(data: xr.DataArray) -> xr.DataArray:
             values = data.to_numpy()
             attrs = {**data.attrs, "long_name": f"{self.said} over scenarios of {data.attrs['long_name']}"}

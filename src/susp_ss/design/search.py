@@ -22,12 +22,10 @@ STARTS, APART = 3, 0.25
 # By how much, relatively, a limit may be exceeded.
 MET = 1e-6
 
-# Share of the other objective beside the one that is minimised: where the first does not decide, the second does.
-# Mavrotas, Applied Mathematics and Computation 213 (2009) 455-465, calls it the augmented epsilon constraint.
-BESIDE = 1e-4
-
-TOLERANCE = 1e-10
-STEPS = 100
+# When a descent ends, and after how many steps at the latest: on smooth metrics, and on those with kinks, where another
+# scenario becomes the worst.
+SMOOTH = {"ftol": 1e-10, "maxiter": 100}
+KINKED = {"ftol": 1e-6, "maxiter": 25}
 
 
 class Point(NamedTuple):
@@ -48,14 +46,14 @@ class Search:
         # Every metric in proportion to what is usual.
         self.sizes = np.median(self.seen, axis=0)
 
-    def least(self, costs: Mapping[int, float], limits: Mapping[int, float], starts: Sequence[Array] = ()) -> Point | None:
-        """The design whose weighted sum of metrics is least while others stay within limits; None: none is found.
+    def least(self, goal: int, limits: Mapping[int, float], starts: Sequence[Array] = ()) -> Point | None:
+        """The design whose metric ``goal`` is least while others stay within limits; None: none is found.
 
-        ``costs`` has weights relative to the usual sizes, by the metric's place among the names.
+        Metrics are told by their place among the names.
         """
-        found = [self._descend(costs, limits, u) for u in self._starts(costs, limits, starts)]
+        found = [self._descend(goal, limits, u) for u in self._starts(goal, limits, starts)]
         met = [point for point in found if self.excess(point.values, limits) <= MET]
-        return min(met, key=lambda point: self._cost(point.values, costs)) if met else None
+        return min(met, key=lambda point: float(point.values[goal])) if met else None
 
     def nearest(self, limits: Mapping[int, float]) -> Point:
         """The design whose largest excess over limits is least."""
@@ -68,15 +66,12 @@ class Search:
         """By how much the limits are exceeded at most, relatively."""
         return max((float(values[i] / limit - 1.0) for i, limit in limits.items()), default=0.0)
 
-    def _cost(self, values: Array, costs: Mapping[int, float]) -> Any:
-        return sum(weight * values[..., i] / self.sizes[i] for i, weight in costs.items())
-
-    def _starts(self, costs: Mapping[int, float], limits: Mapping[int, float], near: Sequence[Array]) -> list[Array]:
+    def _starts(self, goal: int, limits: Mapping[int, float], near: Sequence[Array]) -> list[Array]:
         """Where to start: near others' solutions, and from the best of the sample."""
         over = np.zeros(len(self.seen))
         for i, limit in limits.items():
             over = np.maximum(over, self.seen[:, i] / limit - 1.0)
-        order = np.lexsort((self._cost(self.seen, costs), over))
+        order = np.lexsort((self.seen[:, goal], over))
         chosen = list(near)
         for u in self.U[order]:
             if len(chosen) >= max(STARTS if not near else 0, len(near) + 1):
@@ -85,13 +80,10 @@ class Search:
                 chosen.append(u)
         return chosen
 
-    def _descend(self, costs: Mapping[int, float], limits: Mapping[int, float], start: Array) -> Point:
+    def _descend(self, goal: int, limits: Mapping[int, float], start: Array) -> Point:
         from scipy.optimize import minimize
 
         at = _Remembered(self)
-        weights = np.zeros(len(self.sizes))
-        for i, weight in costs.items():
-            weights[i] = weight / self.sizes[i]
         rows, bounds = [*limits], np.array([*limits.values()])
         within: Any = {
             "type": "ineq",
@@ -99,13 +91,13 @@ class Search:
             "jac": lambda u: -at.slopes(u)[rows] / bounds[:, None],
         }
         best = minimize(
-            lambda u: weights @ at.values(u),
+            lambda u: at.values(u)[goal] / self.sizes[goal],
             start,
-            jac=lambda u: weights @ at.slopes(u),
+            jac=lambda u: at.slopes(u)[goal] / self.sizes[goal],
             method="SLSQP",
             bounds=[(0.0, 1.0)] * len(start),
             constraints=within if rows else (),
-            options={"ftol": TOLERANCE, "maxiter": STEPS},
+            options=SMOOTH if self.problem.smooth else KINKED,
         )
         return at.point(best.x)
 
@@ -129,7 +121,7 @@ class Search:
             method="SLSQP",
             bounds=[(0.0, 1.0)] * len(start) + [(0.0, None)],
             constraints=within,
-            options={"ftol": TOLERANCE, "maxiter": STEPS},
+            options=SMOOTH if self.problem.smooth else KINKED,
         )
         return at.point(best.x[:-1])
 

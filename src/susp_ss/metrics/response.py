@@ -38,8 +38,8 @@ class Response:
         The point or corner, where the criterion has several.
     inputs : sequence of str
         What the columns of X set, in SI units: fields of the vehicle; of a field that a corner may have for itself,
-        ``"ks"`` at all corners, ``"ks_front"`` at some or ``"ks_fr"`` at one (of a curve the rate for small motion); and ``"speed"``,
-        ``"roughness"`` or ``"cutoff"`` of the road.
+        ``"ks"`` at all corners, ``"ks_front"`` at some or ``"ks_fr"`` at one (of a curve the rate for small motion);
+        and ``"speed"``, ``"roughness"`` or ``"cutoff"`` of the road.
     parameter : str, optional
         One more of these, that a second argument sets: ``response(X, value)``, for `ParameterBased`.
 

@@ -30,31 +30,31 @@ TEXTS: dict[type, Callable[[Any], str]] = {
 def report(result: Any) -> str:
     """Say in words and tables what a result is worth.
 
-    Of a `Study`: Tables 3 to 5 with ours beside the published values, what agrees, held-out accuracy and cost. Of a
-    `Fit`: for each output the ranking, the choice, what the cheap model was worth, and the formula. Of a `Scan`: the
-    nearest scenarios, and what each assumption can and cannot reach. Of a `Feedback`, an `ActiveBound` or an
-    `ActiveFront`: every metric beside the passive vehicle's, the gain, and what limits cost.
- Of a `ParetoFront`: its
-    designs, and what they gain over the vehicle itself.
+       Of a `Study`: Tables 3 to 5 with ours beside the published values, what agrees, held-out accuracy and cost. Of a
+       `Fit`: for each output the ranking, the choice, what the cheap model was worth, and the formula. Of a `Scan`: the
+       nearest scenarios, and what each assumption can and cannot reach. Of a `Feedback`, an `ActiveBound` or an
+       `ActiveFront`: every metric beside the passive vehicle's, the gain, and what limits cost.
+    Of a `ParetoFront`: its
+       designs, and what they gain over the vehicle itself.
 
-    Parameters
-    ----------
-    result : Study, Fit, Scan, Feedback, ActiveBound, ActiveFront or ParetoFront
+       Parameters
+       ----------
+       result : Study, Fit, Scan, Feedback, ActiveBound, ActiveFront or ParetoFront
 
-    Returns
-    -------
-    str
+       Returns
+       -------
+       str
 
-    Raises
-    ------
-    TypeError
-        There are no words for such a result.
+       Raises
+       ------
+       TypeError
+           There are no words for such a result.
 
-    Examples
-    --------
-    >>> import susp_ss as ss
-    >>> print(ss.report(ss.feasibility_study(nodes=(4, 4))).splitlines()[0][:75])
-    Feasibility study: 4 x 4 nodes, full car at fr, free coefficients; G_d(0.1
+       Examples
+       --------
+       >>> import susp_ss as ss
+       >>> print(ss.report(ss.feasibility_study(nodes=(4, 4))).splitlines()[0][:75])
+       Feasibility study: 4 x 4 nodes, full car at fr, free coefficients; G_d(0.1
     """
     if type(result) not in TEXTS:
         available = ", ".join(kind.__name__ for kind in TEXTS)

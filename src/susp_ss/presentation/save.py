@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..extras import needing
 from ..design import ParetoFront
+from ..extras import needing
 from ..feedback import ActiveBound, ActiveFront, Feedback
 from ..fit.fitting import Fit
 from ..responses.covariance import linearised

@@ -1,4 +1,4 @@
-"""What a design may set of a vehicle on a road: a field, a field at some wheels (``ks_front``), or one of the road's."""
+"""What a design may set of a vehicle on a road: a field, everywhere or at some wheels (``ks_front``), or the road's."""
 
 from __future__ import annotations
 
