@@ -52,6 +52,7 @@ bench: .venv/installed-test
 	$(BIN)/python benchmarks/ride_metrics.py
 	$(BIN)/python benchmarks/any_road_any_system.py
 	$(BIN)/python benchmarks/surrogates.py
+	$(BIN)/python benchmarks/design.py
 	$(BIN)/python benchmarks/intervals.py
 	$(BIN)/python benchmarks/damaged_files.py
 	$(BIN)/python benchmarks/sweeps.py

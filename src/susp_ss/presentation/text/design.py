@@ -55,7 +55,7 @@ def _gain(front: ParetoFront) -> str:
     if front.bound is not None:
         share = table[front.objectives[0]] / front.bound
         said.append(
-            f"with any suspension {front.objectives[0]} could be {share.min():.2f} to {share.max():.2f} times lower, no "
-            "deflection or tyre load at any corner being larger (bound)"
+            f"with any suspension {front.objectives[0]} could be {share.min():.2f} to {share.max():.2f} times lower, "
+            "no deflection or tyre load at any corner being larger (bound)"
         )
     return "At best " + "; ".join(said) + "."
