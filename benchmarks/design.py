@@ -1,9 +1,9 @@
 """Pareto fronts of a full car: beside grids of a million designs, and beside pymoo's NSGA-II on the same engine.
 
 The certificate takes every node of a grid that meets the limit: none may beat a design of the front, and none may do
-better by more than 0.1 % where the front has a design. NSGA-II, its population 40 and its other settings pymoo's own, is
-given as many evaluations as the front's descents took, and ten and a hundred times as many; the hypervolume is that
-below the worst of all fronts, as a share of a front of 60 points. Then fronts over 10,000 scenarios; and where designs
+better by more than 0.1 % where the front has a design. NSGA-II, its population 40 and else as pymoo sets it, is given
+as many evaluations as the front's descents took, and ten and thirty times as many; the hypervolume is that
+below the worst of all fronts, as a share of a front of 40 points. Then fronts over 10,000 scenarios; and where designs
 land that were optimised on a surrogate of few runs instead of the car, on the linear car and on the nonlinear one of
 ``examples/``. Writes a table under ``benchmarks/results``. Run with ``make bench``.
 """
@@ -41,6 +41,7 @@ GRIDS = ({"ks": STIFFNESS, "cs": DAMPING}, {"ks_front": STIFFNESS, "cs_front": D
 # Asserted: what a node of a grid may be better by, and seconds of a front of 20 points over four variables.
 BETTER, LONGEST = 1e-3, 60.0
 
+MORE = 1.05
 RUNS = (5, 10, 25, 60)
 CRITERIA = ("bacc", "sws", "dtl")
 
@@ -82,10 +83,10 @@ class OnEngine(Problem):
 
 def beside_nsga2():
     front, seconds = timed(lambda: ss.pareto_front(CAR, ROAD, FOUR, OBJECTIVES, LIMIT))
-    fine = ss.pareto_front(CAR, ROAD, FOUR, OBJECTIVES, LIMIT, 60).table()[list(OBJECTIVES)].to_numpy()
+    fine = ss.pareto_front(CAR, ROAD, FOUR, OBJECTIVES, LIMIT, 40).table()[list(OBJECTIVES)].to_numpy()
     spent = sum(front.evaluations.values())
     found = [("ours", spent, seconds, front.table()[list(OBJECTIVES)].to_numpy())]
-    for times in (1, 10, 100):
+    for times in (1, 10, 30):
         algorithm = NSGA2(pop_size=40)
         result, took = timed(lambda a=algorithm, n=times: evolve(OnEngine(), a, ("n_eval", n * spent), seed=1))
         found.append(("NSGA-II", times * spent, took, np.atleast_2d(result.F)))
@@ -99,7 +100,7 @@ def beside_nsga2():
 
 
 def over_scenarios():
-    """Fronts of five points over 10,000 vehicles and roads."""
+    """Both ends of a front over 10,000 vehicles and roads."""
     unit = qmc.LatinHypercube(4, rng=np.random.default_rng(0)).random(10_000)
     low, high = [1100.0, 1.6e5, 8.0, 1.6e-5], [1600.0, 2.3e5, 35.0, 2.56e-4]
     columns = qmc.scale(unit, low, high).T
@@ -107,7 +108,7 @@ def over_scenarios():
     box, body = {"ks": STIFFNESS, "cs": DAMPING}, []
     for statistic in ("mean", 0.95, "worst"):
         front, seconds = timed(
-            lambda s=statistic: ss.pareto_front(CAR, ROAD, box, OBJECTIVES, points=5, scenarios=table, statistic=s)
+            lambda s=statistic: ss.pareto_front(CAR, ROAD, box, OBJECTIVES, points=2, scenarios=table, statistic=s)
         )
         designs = front.evaluations["values"] + 2 * len(box) * front.evaluations["slopes"]
         body.append([statistic, designs, digits(seconds, 2), digits(1e3 * seconds / designs, 2)])
@@ -156,7 +157,7 @@ def best_by(predict, limits):
 def where_designs_land(expensive, truth=None):
     """Of every surrogate and number of runs: bacc beyond the true optimum, and excess over the worse limit, in %."""
     middle = expensive(np.array([[np.mean(STIFFNESS), np.mean(DAMPING)]]))[0]
-    limits = {"sws": middle[1], "dtl": middle[2]}
+    limits = {"sws": MORE * middle[1], "dtl": MORE * middle[2]}
     truth = truth or (lambda name: lambda X: expensive(X)[:, CRITERIA.index(name)])
     best = expensive(best_by({name: truth(name) for name in CRITERIA}, limits)[None])[0]
     body = {}
@@ -183,13 +184,13 @@ def linear_car(X):
 
 
 def nonlinear_car():
-    """The example's car on its record of road, and Kriging of 150 runs that stands for it where it is to be searched."""
-    record = nonlinear_full_car.record(ss.Road.iso8608("C", speed=20.0, tracks="isotropic"), 60.0, 0)
+    """The example's car on its record of road, and Kriging of 53 runs in its place while it is searched."""
+    record = nonlinear_full_car.record(ss.Road.iso8608("C", speed=20.0, tracks="isotropic"), 5.0, 0)
 
     def expensive(X):
         return np.stack([nonlinear_full_car.run(ks, cs, record)[0] for ks, cs in X])
 
-    X = np.concatenate([box_designs(121), [[k, c] for k in STIFFNESS for c in DAMPING]])
+    X = np.concatenate([box_designs(49), [[k, c] for k in STIFFNESS for c in DAMPING]])
     fitted = {name: ss.Kriging().fit(X, y) for name, y in zip(CRITERIA, expensive(X).T, strict=True)}
     return expensive, lambda name: fitted[name].predict
 
@@ -217,25 +218,26 @@ def main():
         "",
         "## Four variables, beside NSGA-II on the same engine",
         "",
-        "An evaluation is a design's metrics, or their derivatives. Hypervolume as a share of a front of 60 points.",
+        "An evaluation is a design's metrics, or their derivatives. Hypervolume as a share of a front of 40 points.",
         "",
         *rows(["", "evaluations", "s", "designs", "hypervolume"], race),
         "",
-        "## Five points over 10,000 scenarios of mass, tyres, speed and roughness, two variables",
+        "## Both ends of a front over 10,000 scenarios of mass, tyres, speed and roughness, two variables",
         "",
         *rows(["statistic", "designs judged", "s", "ms a design"], robust),
         "",
         "## Where designs land that were optimised on a surrogate",
         "",
-        "Least bacc at the front right corner, sws and dtl no larger than in the middle of the range. In each cell: bacc "
-        "of the design on the expensive car beyond that of its true optimum / excess over the worse limit, in %.",
+        f"Least bacc at the front right corner, sws and dtl at most {MORE} times those in the middle of the range. In "
+        "each cell: bacc of the design on the expensive car beyond that of its true optimum / excess over the worse "
+        "limit, in %.",
         "",
         f"The linear full car; the middle of the range is at {linear_gap} %.",
         "",
         *rows(columns, linear),
         "",
-        f"The nonlinear car of the examples, class C; the middle of the range is at {curved_gap} %. Its true optimum is "
-        "sought on Kriging of 125 runs, and judged like the others by a run.",
+        f"The nonlinear car of the examples, 5 s of class C; the middle of the range is at {curved_gap} %. Its true "
+        "optimum is sought on Kriging of 53 runs, and judged like the others by a run.",
         "",
         *rows(columns, curved),
     ]

@@ -194,7 +194,7 @@ def pareto_front(
     _check_bound(bound, problem)
     search = Search(problem)
     by_place = {problem.names.index(name): limit for name, limit in ceilings.items()}
-    found = [_end(search, 0, by_place, ceilings)] if len(objectives) == 1 else _front(search, by_place, ceilings, count)
+    found = [_end(search, 0, by_place)] if len(objectives) == 1 else _front(search, by_place, count)
     designs = problem.designs(np.stack([point.u for point in found]))
     metrics = problem.metrics(designs)
     return ParetoFront(
@@ -212,12 +212,12 @@ def pareto_front(
     )
 
 
-def _front(search: Search, limits: Mapping[int, float], ceilings: Mapping[str, float], count: int) -> list[Point]:
+def _front(search: Search, limits: Mapping[int, float], count: int) -> list[Point]:
     """Points of the front, from the least of the first objective to the least of the second."""
     with progress("points of the front", total=count) as shown:
         found = []
         for goal in (0, 1):
-            found.append(_settled(search, goal, _end(search, goal, limits, ceilings), limits))
+            found.append(_settled(search, goal, _end(search, goal, limits), limits))
             shown.advance()
         extent = np.abs(found[0].values[:2] - found[1].values[:2])
         if (extent <= SAME * search.sizes[:2]).any():
@@ -267,24 +267,31 @@ def _undominated(points: Sequence[Point]) -> list[Point]:
     return kept
 
 
-def _end(search: Search, goal: int, limits: Mapping[int, float], ceilings: Mapping[str, float]) -> Point:
+def _end(search: Search, goal: int, limits: Mapping[int, float]) -> Point:
     """The design that minimises one metric alone, or say which limits are out of reach."""
-    found = search.least(goal, limits)
-    if found is None:
+    starts = []
+    if not search.met(limits).any():
         nearest = search.nearest(limits)
-        if search.excess(nearest.values, limits) <= 1e-7:
-            found = search.least(goal, limits, [nearest.u])
-    if found is not None:
-        return found
+        starts.append(nearest.u)
+        if search.excess(nearest.values, limits) > MET:
+            raise ValueError(_out_of_reach(search, limits, nearest))
+    found = search.least(goal, limits, starts)
+    if found is None:
+        raise ValueError(_out_of_reach(search, limits, search.nearest(limits)))
+    return found
+
+
+def _out_of_reach(search: Search, limits: Mapping[int, float], nearest: Point) -> str:
+    """Which limits cannot be met, and what can."""
     names, said = search.problem.names, []
     for i, limit in limits.items():
         least = search.least(i, {})
         if least is not None and least.values[i] > limit:
             said.append(f"{names[i]} <= {limit:g} is out of reach, least {least.values[i]:.4g}")
     if not said:
-        at = ", ".join(f"{name} {nearest.values[names.index(name)]:.4g}" for name in ceilings)
+        at = ", ".join(f"{names[i]} {nearest.values[i]:.4g}" for i in limits)
         said.append(f"no design within the ranges meets all at once, nearest {at}")
-    raise ValueError(f"limits: {'; '.join(said)} (SI units)")
+    return f"limits: {'; '.join(said)} (SI units)"
 
 
 def _problem(

@@ -61,6 +61,17 @@ class Search:
         found = [self._descend_excess(limits, self.U[i]) for i in np.argsort(excess)[:STARTS]]
         return min(found, key=lambda point: self.excess(point.values, limits))
 
+    def met(self, limits: Mapping[int, float]) -> NDArray[np.bool_]:
+        """Which designs of the sample are within limits."""
+        return np.asarray(self._over(limits) == 0.0)
+
+    def _over(self, limits: Mapping[int, float]) -> Array:
+        """By how much each design of the sample exceeds the limits at most, relatively."""
+        over = np.zeros(len(self.seen))
+        for i, limit in limits.items():
+            over = np.maximum(over, self.seen[:, i] / limit - 1.0)
+        return over
+
     @staticmethod
     def excess(values: Array, limits: Mapping[int, float]) -> float:
         """By how much the limits are exceeded at most, relatively."""
@@ -68,10 +79,7 @@ class Search:
 
     def _starts(self, goal: int, limits: Mapping[int, float], near: Sequence[Array]) -> list[Array]:
         """Where to start: near others' solutions, and from the best of the sample."""
-        over = np.zeros(len(self.seen))
-        for i, limit in limits.items():
-            over = np.maximum(over, self.seen[:, i] / limit - 1.0)
-        order = np.lexsort((self.seen[:, goal], over))
+        order = np.lexsort((self.seen[:, goal], self._over(limits)))
         chosen = list(near)
         for u in self.U[order]:
             if len(chosen) >= max(STARTS if not near else 0, len(near) + 1):
