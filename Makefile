@@ -60,6 +60,7 @@ bench: .venv/installed-test $(NONLINEAR)
 	$(BIN)/python benchmarks/surrogates.py
 	$(BIN)/python benchmarks/intervals.py $(NONLINEAR)
 	$(BIN)/python benchmarks/rare_events.py
+	$(BIN)/python benchmarks/feedback.py
 	$(BIN)/python benchmarks/next_runs.py $(NONLINEAR)
 	$(BIN)/python benchmarks/damaged_files.py
 	$(BIN)/python benchmarks/sweeps.py
