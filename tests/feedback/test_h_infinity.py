@@ -16,9 +16,9 @@ def active_suspension(beta):
     """MathWorks, Robust Control Toolbox, "Robust Control of Active Suspension": the nominal plant with its weights.
 
     Parameters and weights as its listing has them, forces in kN: ``Wroad = 0.07``, ``Wact = 0.8 (s + 50)/(s + 500)``,
-    ``Wd2 = 0.01``, ``Wd3 = 0.5``, ``beta/HandlingTarget`` on the deflection with ``HandlingTarget = 0.04 (s/8 + 1)/
-    (s/80 + 1)``, ``(1 - beta)/ComfortTarget`` on the acceleration with ``ComfortTarget = 0.4 (s/0.45 + 1)/(s/150 + 1)``,
-    the actuator ``1/(s/60 + 1)``, and ``beta`` 0.01, 0.5 and 0.99.
+    ``Wd2 = 0.01``, ``Wd3 = 0.5``, on the deflection ``beta`` over ``HandlingTarget = 0.04 (s/8 + 1)/(s/80 + 1)``, on
+    the acceleration ``1 - beta`` over ``ComfortTarget = 0.4 (s/0.45 + 1)/(s/150 + 1)``, and the actuator
+    ``1/(s/60 + 1)``.
     """
     mb, mw, bs, ks, kt = 300.0, 60.0, 1000.0, 16000.0, 190000.0
     A = [
