@@ -16,7 +16,11 @@ from .quantities import UNITS, Quantity, units_of
 NUMBER = re.compile(r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?|nan|inf|infinity)", re.IGNORECASE)
 DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:e[+-]?[0-9]+)?", re.IGNORECASE)
 
-ALIASES = {"kph": "km/h", "kmh": "km/h", "lb/in": "lbf/in", "lbs/in": "lbf/in", "lbs": "lb", "lbs/in.": "lbf/in"}
+ALIASES = {"kph": "km/h", "kmh": "km/h", "lb/in": "lbf/in", "lbs/in": "lbf/in", "lbs": "lb", "lbs/in.": "lbf/in"} | {
+    **dict.fromkeys(("metre", "metres", "meter", "meters"), "m"),
+    **dict.fromkeys(("inch", "inches"), "in"),
+    **dict.fromkeys(("foot", "feet"), "ft"),
+}
 """What people also call a unit, in plain spelling."""
 
 

@@ -145,6 +145,10 @@ REFUSED = {
     "back": ("x,left\n3,0.1\n2,0\n", "line 3, column 'x': the distance must rise from point to point, got 2 m after 3"),
     "a hole": ("x,left\n0,0\n.1,0\n.2,0\n9,.1\n", "line 5, column 'x': a gap of 8.8 m, where points are 0.1 m apart"),
     "unit": ("x,left [kg]\n0,1\n1,2\n", "column 'left .kg.': left is in one of m, mm, cm, in, ft, km, got 'kg'"),
+    "unknown unit": (
+        "x [furlong],left\n0,1\n1,2\n",
+        "column 'x .furlong.': x is in one of m, .* got 'furlong'; .*units=",
+    ),
     "millimetres": (f"x,left\n{ROUGH}", r"column 'left': heights in m .*if they are in mm, state it: .*left \[mm\]"),
 }
 
@@ -175,6 +179,7 @@ def test_a_level_stretch_is_no_gap(tmp_path):
     [
         ({"path": "road.xyz"}, ValueError, "profiles are read from .csv, .* got .xyz"),
         ({"path": "road"}, ValueError, "got no suffix"),
+        ({"columns": {"x": "x", "left": "LWP"}}, ValueError, "needs one column named 'LWP', got none"),
         ({"path": "missing.csv"}, FileNotFoundError, "missing.csv"),
         ({"path": "missing.nc"}, FileNotFoundError, "missing.nc"),
         ({"path": "missing.crg"}, FileNotFoundError, "missing.crg"),
@@ -190,3 +195,17 @@ def test_bad_requests_are_refused(given, error, words, tmp_path):
     given = {"path": "road.csv", **given}
     with pytest.raises(error, match=words):
         ss.read_profile(tmp_path / given.pop("path"), **given)
+
+
+@pytest.mark.parametrize("path", [None, 3, b"road.csv", [], float("nan")])
+def test_what_is_no_path_is_refused(path):
+    with pytest.raises(TypeError, match="path must be the path of a profile, got"):
+        ss.read_profile(path)
+
+
+def test_units_are_read_as_people_spell_them(tmp_path):
+    path = tmp_path / "road.csv"
+    path.write_text("distance [feet],left [inches]\n0,0\n1,1\n2,0\n")
+    profile = ss.read_profile(path)
+    np.testing.assert_allclose(profile.x, [0.0, 0.3048, 0.6096])
+    np.testing.assert_allclose(profile.left, [0.0, 0.0254, 0.0])

@@ -37,6 +37,10 @@ def as_options(message: str) -> str:
     >>> from susp_ss.cli.refusals import as_options
     >>> as_options('Road(speed=...) must be > 0 m/s; take ride_metrics(..., method="spectral")')
     '--speed must be > 0 m/s; take --method spectral'
+    >>> as_options('if they are in mm, state it: units={"left": "mm"}')
+    'if they are in mm, state it: --unit left=mm'
     """
     said = re.sub(r'\w+\([.]{3}, (\w+)="(\w+)"\)', r"--\1 \2", message)
+    said = re.sub(r'units=\{"(\w+)": "(\w+)"\}', r"--unit \1=\2", said)
+    said = said.replace('columns={"x": ..., "left": ..., "right": ...}', "--x, --left and --right")
     return re.sub(r"\w+\((\w+)=[.]{3}\)", lambda found: f"--{found[1].replace('_', '-')}", said)

@@ -11,6 +11,7 @@ from rich.table import Table
 from ..quantities import Quantity
 from .commands import Command, Commands
 from .documents import road_document
+from .folder import check_result
 from .options import Force, Json, bounds, built_from, counted, measured, number, print_table, road_from_options
 from .refusals import Refusal, refusals
 
@@ -131,36 +132,40 @@ def fit(
     track_width: Annotated[
         str | None, _length("Distance of the tracks.", show_default="the profile's, or 1.446")
     ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Write fitted_road.csv, fitted_road.json and fitted_road.png here; without it nothing is written.",
+            show_default=False,
+        ),
+    ] = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Roughness, waviness, ISO 8608 class and tracks of a profile, each with its interval.
 
     One power of the wavenumber, or two with a knee where the profile asks for it.
     """
-    from .. import report
-    from ..presentation.text.road import fitted_values
-    from ..roads.road_fit import fit_road, unfitted
+    from ..presentation.report import report
+    from ..roads.road_fit import FittedRoad, fit_road
 
+    if out is not None:
+        check_result(out, FittedRoad, force)
     wide = {} if track_width is None else {"track_width": measured("--track-width", track_width, LENGTH)}
     with refusals():
         road = fit_road(profile, confidence=number("--confidence", confidence), **wide)
-        assert road.spectrum is not None
         text = report(road)
+        if out is not None:
+            from ..presentation.save import save
+
+            save(road, out, force)
     if not as_json:
         typer.echo(text)
         return
-    bands = road.spectrum
-    document = {
-        **profile.attrs,
-        "road": road_document(unfitted(road)),
-        "iso_class": road.iso_class,
-        "class_by": "geometric mean",
-        "fitted": {name: [value, *road.intervals[name]] for name, value in fitted_values(road).items()},
-        "confidence": road.confidence,
-        "scatter": road.scatter,
-        "bands": {str(name): bands[name].values.tolist() for name in bands.variables},
-    }
-    typer.echo(json.dumps(document, indent=2))
+    from ..presentation.documents import fitted_road_document
+
+    typer.echo(json.dumps({**profile.attrs, **fitted_road_document(road)}, indent=2))
 
 
 @app.command("chart", cls=Command)

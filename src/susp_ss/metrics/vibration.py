@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..quantities import briefly, positive
 from ..responses.filters import Filter
+from ..vehicles.parameters import number_array
 from .weightings import filter_of
 
 Array = NDArray[np.float64]
@@ -166,10 +167,8 @@ def rms(acceleration: Array, time: Array) -> Any:
 
 def checked_record(acceleration: ArrayLike, time: ArrayLike) -> tuple[Array, Array]:
     """Return records (..., T) and their instants (T,) as floats, or say what is wrong with them."""
-    a, t = np.asarray(acceleration), np.asarray(time)
-    for name, values, given in (("acceleration", a, acceleration), ("time", t, time)):
-        if values.dtype.kind not in "iuf":
-            raise TypeError(f"{name} must be numbers, got {briefly(given)}")
+    a, t = number_array(acceleration, "acceleration must be numbers"), number_array(time, "time must be numbers")
+    for name, values in (("acceleration", a), ("time", t)):
         if not np.isfinite(values).all():
             raise ValueError(f"{name} must be finite, got NaN or inf")
     if t.ndim != 1 or len(t) < 2 or (np.diff(t) <= 0.0).any():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,12 @@ import pandas as pd
 from ..fit.fitting import Fit
 from ..fit.next_runs import asked_for
 from ..metrics.comfort import AXES, Comfort
+from ..roads.road_fit import FittedRoad, unfitted
 from ..study.feasibility import Study
 from ..study.published import CRITERIA, SURROGATES
 from ..vehicles.files import in_file, vehicle_table
 from .text.fit import judged, more
+from .text.road import fitted_spectrum, fitted_values
 from .versions import versions
 
 TITLE = "Feasibility study of surrogate model for the application of vehicle suspension system, 2021"
@@ -105,6 +108,20 @@ def comfort_document(comfort: Comfort) -> dict[str, Any]:
         "k": {name: axis.k for name, axis in AXES.items() if name in metrics},
         "units": {str(name): data.attrs["units"] for name, data in metrics.items()},
         "comfort": [{str(name): _plain(value) for name, value in row.items()} for row in table.to_dict("records")],
+    }
+
+
+def fitted_road_document(road: FittedRoad) -> dict[str, Any]:
+    """A road, and what its profile says of it: each value with the ends of its interval, and the bands."""
+    bands = fitted_spectrum(road)
+    return {
+        "road": {**asdict(unfitted(road)), "description": road.describe()},
+        "iso_class": road.iso_class,
+        "class_by": "geometric mean",
+        "fitted": {name: [value, *road.intervals[name]] for name, value in fitted_values(road).items()},
+        "confidence": road.confidence,
+        "scatter": road.scatter,
+        "bands": {str(name): bands[name].values.tolist() for name in bands.variables},
     }
 
 

@@ -24,15 +24,17 @@ from ..metrics.third_octaves import third_octaves
 from ..quantities import signal
 from ..responses.covariance import linearised
 from ..roads.road import Road
+from ..roads.road_fit import FittedRoad
 from ..study.feasibility import Study
 from ..study.published import FIGURES, SURROGATES
 from ..study.scan import Scan
 from . import plots
-from .documents import comfort_document, study_document
+from .documents import comfort_document, fitted_road_document, study_document
 from .folder import write_results
 from .text.design import design_text
 from .text.feedback import bound_text, feedback_text, front_text
 from .text.fit import fit_text
+from .text.road import fitted_spectrum
 
 PAGE = "report.html"
 
@@ -61,6 +63,8 @@ PICTURES = {
 
 SCAN, SCAN_PICTURE = "scan.csv", "scan.png"
 
+FITTED_ROAD = "fitted_road.csv", "fitted_road.json", "fitted_road.png"
+
 COMFORT = "comfort.csv", "comfort.json", "comfort.png"
 LAW, GAIN, LAW_TEXT, LAW_PICTURE = "feedback.csv", "gain.csv", "feedback.txt", "feedback.png"
 
@@ -74,16 +78,17 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
     held-out accuracy, cost and versions), ``responses.nc``, ``figures/`` and ``report.html``. A `Fit` becomes
     ``surrogate.json``, ``accuracy.csv``, ``predictions.csv``, ``figures/``, ``report.md`` and ``report.html``, and if
     it was asked for next runs ``next_runs.csv``, a table whose outputs wait to be filled in. A `Scan` becomes
-    ``scan.csv`` and ``scan.png``. A `Comfort` becomes ``comfort.csv``, ``comfort.json`` and, of one design on a `Road`
-    or of a sweep along one dim, ``comfort.png``. A `Feedback`, an `ActiveBound` or an `ActiveFront` becomes
-    ``feedback.csv`` (every metric beside the passive vehicle's, or the front), ``gain.csv`` where there is one gain,
-    ``feedback.txt`` and ``feedback.png``. A `ParetoFront` becomes ``front.csv`` (a row a design), ``metrics.nc``,
-    ``front.txt`` and ``front.png``. A page is one file that opens in a browser without a network; it needs the
-    extra ``pages``.
+    ``scan.csv`` and ``scan.png``. A `FittedRoad` becomes ``fitted_road.csv`` (the bands of its profile),
+    ``fitted_road.json`` (the fit with its intervals) and ``fitted_road.png``, the chart of ISO 8608. A `Comfort`
+    becomes ``comfort.csv``, ``comfort.json`` and, of one design on a `Road` or of a sweep along one dim,
+    ``comfort.png``. A `Feedback`, an `ActiveBound` or an `ActiveFront` becomes ``feedback.csv`` (every metric beside
+    the passive vehicle's, or the front), ``gain.csv`` where there is one gain, ``feedback.txt`` and ``feedback.png``. A
+    `ParetoFront` becomes ``front.csv`` (a row a design), ``metrics.nc``, ``front.txt`` and ``front.png``. A page is one
+    file that opens in a browser without a network; it needs the extra ``pages``.
 
     Parameters
     ----------
-    result : Study, Fit, Scan, Comfort, Feedback, ActiveBound, ActiveFront or ParetoFront
+    result : Study, Fit, Scan, FittedRoad, Comfort, Feedback, ActiveBound, ActiveFront or ParetoFront
     folder : path
         Made if missing.
     force : bool
@@ -274,6 +279,17 @@ def _write_scan(scan: Scan, folder: Path, figures: bool) -> None:
         plots.scenario_scan(scan).savefig(folder / SCAN_PICTURE)
 
 
+# A fitted road
+
+
+def _write_fitted_road(road: FittedRoad, folder: Path, figures: bool) -> None:
+    table, document, picture = (folder / name for name in FITTED_ROAD)
+    fitted_spectrum(road).to_dataframe().to_csv(table)
+    document.write_text(json.dumps(fitted_road_document(road), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    if figures:
+        plots.road_chart({f"fitted: class {road.iso_class}": road}).savefig(picture)
+
+
 # Comfort
 
 
@@ -339,6 +355,7 @@ KINDS: dict[type, Kind] = {
     Study: Kind((*TABLES, PAGE, *STILLS.values()), _write_study),
     Fit: Kind((SURROGATE, REPORT, PAGE, ACCURACY, PREDICTIONS, NEXT), _write_fit),
     Scan: Kind((SCAN, SCAN_PICTURE), _write_scan),
+    FittedRoad: Kind(FITTED_ROAD, _write_fitted_road),
     Comfort: Kind(COMFORT, _write_comfort),
     Feedback: Kind((LAW, GAIN, LAW_TEXT, LAW_PICTURE), _write_law),
     ActiveBound: Kind((LAW, GAIN, LAW_TEXT, LAW_PICTURE), _write_law),

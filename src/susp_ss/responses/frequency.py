@@ -8,10 +8,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ..quantities import briefly
 from ..roads.road import Road
 from ..vehicles.contract import Model, RoadVehicle
-from ..vehicles.parameters import blocks
+from ..vehicles.parameters import blocks, number_array
 from .excitation import check_kinds, delays, integrated, processes, spanned
 
 # Numbers that are at work at once.
@@ -226,9 +225,7 @@ def squared(z: NDArray) -> NDArray[np.float64]:
 
 def checked_frequency(frequency: ArrayLike) -> NDArray[np.float64]:
     """Return frequencies as one row of floats, or say what is wrong with them."""
-    values = np.asarray(frequency)
-    if values.dtype.kind not in "iuf":
-        raise TypeError(f"frequency must be numbers in Hz, got {briefly(frequency)}")
+    values = number_array(frequency, "frequency must be numbers in Hz")
     if values.ndim != 1 or values.size == 0:
         raise ValueError(f"frequency must be one non-empty row of Hz, got shape {values.shape}")
     if not (np.isfinite(values) & (values > 0.0)).all():

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from ..progress import tracked
 from ..quantities import ROAD, briefly, positive
 from ..vehicles.contract import RoadVehicle
+from ..vehicles.parameters import number_array
 from .simulation import simulate
 
 
@@ -44,9 +44,10 @@ def peaks(vehicle: RoadVehicle, profile: xr.Dataset, speeds: ArrayLike, *, step:
     >>> worst.bacc.sel(point="cg").idxmax("speed").item()
     8.0
     """
-    given = np.asarray(speeds)
-    if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iuf":
-        raise TypeError(f"speeds must be one row of numbers in m/s, got {briefly(speeds)}")
+    need = "speeds must be one row of numbers in m/s"
+    given = number_array(speeds, need)
+    if given.ndim != 1 or given.size == 0:
+        raise TypeError(f"{need}, got {briefly(speeds)}")
     at = [positive("speeds", speed, "m/s") for speed in given.tolist()]
     runs = tracked(at, "driving", len(at) > 1)
     found = [simulate(vehicle, profile, speed=speed, step=step, reduce="peak") for speed in runs]

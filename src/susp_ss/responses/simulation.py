@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..progress import tracked
 from ..quantities import briefly, positive
 from ..vehicles.contract import Model, RoadVehicle
-from ..vehicles.parameters import blocks
+from ..vehicles.parameters import blocks, number_array
 from .excitation import check_kinds
 from .first_order_hold import FirstOrderHold, joined
 from .labels import labelled_outputs
@@ -243,10 +243,7 @@ def fastest(vehicle: RoadVehicle) -> float:
 
 
 def _checked_time(time: Any) -> Array:
-    t = np.asarray(time)
-    if t.dtype.kind not in "iuf":
-        raise TypeError(f"time must be numbers in s, got {briefly(time)}")
-    t = t.astype(float)
+    t = number_array(time, "time must be numbers in s").astype(float)
     if t.ndim != 1 or len(t) < 2 or not np.isfinite(t).all():
         raise ValueError(f"time must be one row of at least two finite instants in s, got shape {t.shape}")
     steps = np.diff(t)
@@ -281,13 +278,13 @@ def _checked_inputs(inputs: Any, names: tuple[str, ...], kind: str, samples: int
         return None
     if not isinstance(inputs, Mapping):
         raise TypeError(f'inputs must be a mapping such as {{"delta_f": angles}}, got {briefly(inputs)}')
+    if not inputs:
+        return None
     rows = np.zeros((len(names), samples))
     for name, values in inputs.items():
         if name not in names:
             raise ValueError(f"inputs: {kind} has no input named {name!r}, available: {', '.join(names) or 'none'}")
-        row = np.asarray(values)
-        if row.dtype.kind not in "iuf":
-            raise TypeError(f"inputs[{name!r}] must be numbers, got {briefly(values)}")
+        row = number_array(values, f"inputs[{name!r}] must be numbers")
         if row.shape != (samples,) or not np.isfinite(row).all():
             raise ValueError(
                 f"inputs[{name!r}] must be {samples} finite numbers, one an instant, got {briefly(values)}"

@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ..quantities import briefly, positive
+from ..vehicles.parameters import number_array
 from .golden_car import BASE, mean_index, velocities
 from .profiles import SIDES, checked_tracks
 from .road import Road
@@ -136,9 +137,10 @@ def _rows(x: Any, elevation: Any) -> tuple[Array, Array]:
     """Distances and heights, one row each."""
     rows = []
     for name, given in {"x": x, "elevation": elevation}.items():
-        row = np.asarray(given)
-        if row.dtype.kind not in "iuf" or row.ndim != 1:
-            raise TypeError(f"iri({name}=...) must be one row of numbers in m, got {briefly(given)}")
+        need = f"iri({name}=...) must be one row of numbers in m"
+        row = number_array(given, need)
+        if row.ndim != 1:
+            raise TypeError(f"{need}, got {briefly(given)}")
         if not np.isfinite(row).all():
             worst = int(np.argmin(np.isfinite(row)))
             raise ValueError(f"iri({name}=...) must be finite, got {row[worst]} at point {worst}")
@@ -172,7 +174,7 @@ def _travelled(x: Array, heights: Array) -> tuple[Array, Array]:
 def _edges(segment: Any, x: Array, ends: Array) -> Array:
     """Where segments begin, and the last one ends."""
     length, widest = positive("segment", segment), np.diff(x).max()
-    if length < widest:
+    if length < widest - SAME:
         raise ValueError(f"segment must be at least a step of the profile, {widest:g} m, got {length:g} m")
     segments = np.ceil((ends[-1] - x[0]) / length - SAME)
     return np.append(x[0] + length * np.arange(segments), ends[-1])

@@ -99,6 +99,8 @@ def read_profile(
     ------
     OSError
         The file cannot be read.
+    TypeError
+        ``path`` is no path, ``columns`` or ``units`` no mapping of text.
     ModuleNotFoundError
         An extra is missing; the message says how to install it.
     ValueError
@@ -117,6 +119,8 @@ def read_profile(
     >>> profile.x.values.tolist(), profile.left.values.round(6).tolist()
     ([0.0, 0.25, 0.4], [0.0015, 0.002, 0.001])
     """
+    if not isinstance(path, (str, PathLike)):
+        raise TypeError(f"path must be the path of a profile, got {briefly(path)}")
     file, sign = Path(path), checked_sign(decimal)
     reader = READERS.get(file.suffix.lower())
     if reader is None:
@@ -188,7 +192,8 @@ def _names(argument: str, given: Any) -> dict[str, str]:
     if given is None:
         return {}
     if not isinstance(given, Mapping) or not all(isinstance(value, str) for value in given.values()):
-        raise TypeError(f'{argument} must be a mapping such as {{"left": "mm"}}, got {briefly(given)}')
+        such = '{"x": "Station", "left": "LWP"}' if argument == "columns" else '{"left": "mm"}'
+        raise TypeError(f"{argument} must be a mapping such as {such}, got {briefly(given)}")
     for name in given:
         if name not in ("x", "left", "right"):
             raise ValueError(f"{argument}: there is no {briefly(name)}, available: x, left, right")
@@ -212,17 +217,26 @@ def _told(where: str, headings: Sequence[str], asked: Mapping[str, str]) -> dict
     available = ", ".join(map(repr, headings)) or "none"
     for name, positions in at.items():
         if len(positions) != 1:
-            meant = f"column {asked[name]!r}" if asked else "distance" if name == "x" else "heights"
+            meant = f"named {asked[name]!r}" if asked else "of distance" if name == "x" else "of heights"
             got = "none" if not positions else f"{len(positions)}: {', '.join(repr(headings[i]) for i in positions)}"
             hint = "" if asked else '; say which by columns={"x": ..., "left": ..., "right": ...}'
-            raise ValueError(f"{where}: needs one column of {meant}, got {got}; available: {available}{hint}")
+            raise ValueError(f"{where}: needs one column {meant}, got {got}; available: {available}{hint}")
     return {name: positions[0] for name, positions in at.items()}
+
+
+def _bracketed(heading: str) -> str:
+    """What stands in brackets behind a heading, which is a unit unless another is stated."""
+    found = re.search(r"[\[(]([^\])]+)[\])]\s*$", heading)
+    return found[1] if found else ""
 
 
 def _factor(where: str, name: str, unit: str) -> float:
     factor = factor_of(unit, LENGTH)
     if factor is None:
-        raise ValueError(f"{where}: {name} is in one of {', '.join(units_of(LENGTH.unit))}, got {unit!r}")
+        raise ValueError(
+            f"{where}: {name} is in one of {', '.join(units_of(LENGTH.unit))}, got {unit!r}; to say which, "
+            f'units={{"{name}": "m"}}'
+        )
     return factor
 
 
@@ -259,7 +273,8 @@ def _read_text(path: Path, asked: Mapping[str, str], stated: Mapping[str, str], 
     sign = decimal or decimal_sign(places, separator)
     found = Columns("line", rows, named, {}, tuple(noted))
     for name, cells in columns.items():
-        factor = _factor(f"{path}, column {named[name]!r}", name, units[name] or LENGTH.unit)
+        unit = units[name] or _bracketed(named[name]) or LENGTH.unit
+        factor = _factor(f"{path}, column {named[name]!r}", name, unit)
         found.values[name] = factor * numbers(cells, sign)
         missing = np.flatnonzero(~np.isfinite(found.values[name]))
         if missing.size:

@@ -100,6 +100,32 @@ def checked(value: Any, where: str, quantity: Quantity) -> Any:
     return value.copy(data=values)
 
 
+def number_array(given: Any, need: str) -> NDArray[Any]:
+    """Return whatever is passed for numbers as an array of them.
+
+    Raises
+    ------
+    TypeError
+        Saying the ``need``: no numbers, or rows of different lengths.
+
+    Examples
+    --------
+    >>> from susp_ss.vehicles.parameters import number_array
+    >>> number_array([1, 2.5], "time must be numbers in s")
+    array([1. , 2.5])
+    >>> number_array([[1], [1, 2]], "time must be numbers in s")
+    Traceback (most recent call last):
+    TypeError: time must be numbers in s, got [[1], [1, 2]]
+    """
+    try:
+        values = np.asarray(given)
+    except (TypeError, ValueError):
+        values = np.empty(0, dtype=object)
+    if values.dtype.kind not in "iuf":
+        raise TypeError(f"{need}, got {briefly(given)}")
+    return values
+
+
 def lazy(value: Any) -> bool:
     """Whether a value is a DataArray of blocks that are computed later, as Dask's are."""
     return isinstance(value, xr.DataArray) and value.chunks is not None

@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from ...quantities import METRICS, metric_and_place, signal, titled, typeset, unit_of
+from ...quantities import METRICS, briefly, metric_and_place, signal, titled, typeset, unit_of
 from ...responses.frequency import frequency_response
 from ...responses.frequency import psd as spectrum
 from ...roads.road import Road
@@ -56,9 +56,7 @@ def bode(curves: Mapping[str, xr.DataArray], ax: Any = None, per: str = "m") -> 
     >>> [axes.get_ylabel() for axes in figure.axes[::3]]
     ['|H| ((m/s²)/m)', 'phase (deg)']
     """
-    first = next(iter(curves.values()))
-    (dim,) = (dim for dim in first.dims if dim != "frequency")
-    outputs = first[dim].values.tolist()
+    dim, outputs = _outputs_of(curves)
     width = COLUMN if len(outputs) == 1 else max(WIDTH, 2.3 * len(outputs))
     with mpl.rc_context(STYLE):
         figure, axes = panels(ax, 2, len(outputs), (width, 4.2), sharex=True)
@@ -131,6 +129,11 @@ def spectra(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
     matplotlib.figure.Figure
         A panel an output; the area below a curve is the variance.
 
+    Raises
+    ------
+    TypeError, ValueError
+        No such mapping, curves of a sweep or of different outputs.
+
     Examples
     --------
     >>> import numpy as np
@@ -141,9 +144,7 @@ def spectra(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
     >>> [axes.get_ylabel() for axes in figure.axes]
     ['bacc_cg ((m/s²)²/Hz)', 'pitch_acc ((rad/s²)²/Hz)', 'sws_fr (mm²/Hz)']
     """
-    first = next(iter(curves.values()))
-    (dim,) = (dim for dim in first.dims if dim != "frequency")
-    outputs = first[dim].values.tolist()
+    dim, outputs = _outputs_of(curves)
     rows = -(-len(outputs) // ABREAST)
     columns = min(len(outputs), ABREAST)
     size = (COLUMN if columns == 1 else WIDTH, 2.4 * rows + 0.3)
@@ -159,6 +160,25 @@ def spectra(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
             spare.set_axis_off()
         add_legend(figure, axes.flat[0], inside=ax is not None, columns=4)
     return figure
+
+
+def _outputs_of(curves: Any) -> tuple[str, list[str]]:
+    """The dim beside frequency that all curves have, and the outputs on it."""
+    need = "curves must be a mapping of names to DataArrays on output and frequency"
+    if not isinstance(curves, Mapping) or not curves:
+        raise TypeError(f"{need}, got {briefly(curves)}")
+    for name, curve in curves.items():
+        if not isinstance(curve, xr.DataArray):
+            raise TypeError(f"{need}, got {briefly(curve)} as {name!r}")
+        if "frequency" not in curve.dims or curve.ndim != 2:
+            raise ValueError(f"{need}, got {name!r} on ({', '.join(map(str, curve.dims))})")
+    first = next(iter(curves.values()))
+    (dim,) = (str(dim) for dim in first.dims if dim != "frequency")
+    outputs: list[str] = first[dim].values.tolist()
+    for name, curve in curves.items():
+        if dim not in curve.dims or not set(outputs) <= set(curve[dim].values.tolist()):
+            raise ValueError(f"curves must all have the outputs {', '.join(outputs)}, got {name!r} without")
+    return dim, outputs
 
 
 def _density(output: str) -> tuple[str, str, float]:

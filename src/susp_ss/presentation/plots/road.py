@@ -59,6 +59,8 @@ def road_chart(roads: Drawn | Mapping[str, Drawn], ax: Any = None) -> Figure:
     'wavenumber (cycle/m)'
     """
     entries = roads if isinstance(roads, Mapping) and not isinstance(roads, xr.Dataset) else {"": roads}
+    if not entries:
+        raise ValueError("roads must have at least one entry, got none")
     for drawn in entries.values():
         if isinstance(drawn, Road):
             drawn.single("road_chart()")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import xarray as xr
 
 from ...quantities import briefly
 from ...roads.road import CLASSES
@@ -15,6 +16,19 @@ NAMES = {
     "waviness_above": ("waviness above the knee", ""),
     "knee": ("knee", "cycle/m"),
 }
+
+
+def fitted_spectrum(road: FittedRoad) -> xr.Dataset:
+    """The spectrum that a road was fitted to.
+
+    Raises
+    ------
+    ValueError
+        A road that no profile was fitted to.
+    """
+    if road.spectrum is None:
+        raise ValueError(f"a fitted road is one of fit_road, got {briefly(road)}")
+    return road.spectrum
 
 
 def fitted_values(road: FittedRoad) -> dict[str, float]:
@@ -38,9 +52,7 @@ def fitted_road_text(road: FittedRoad) -> str:
     ValueError
         A road that no profile was fitted to.
     """
-    bands = road.spectrum
-    if bands is None:
-        raise ValueError(f"a fitted road is one of fit_road, got {briefly(road)}")
+    bands = fitted_spectrum(road)
     mean = CLASSES[road.iso_class]
     lines = [
         f"ISO 8608 class {road.iso_class}, by the geometric mean of G_d(0.1 cycle/m): {mean:g} m^3; its limits are "
@@ -66,8 +78,7 @@ def _scatter(road: FittedRoad) -> str:
 
 def _coherent(road: FittedRoad) -> str:
     """How many bands the coherence of the tracks agrees with."""
-    bands = road.spectrum
-    assert bands is not None
+    bands = fitted_spectrum(road)
     if np.all(bands.coherence == 1.0):
         return "left and right are the same"
     width = float(bands.attrs["track_width"])
