@@ -27,6 +27,7 @@ def test_it_says_what_the_library_says(run, tmp_path):
         (["--limit", "sws"], "--limit must be OUTPUT=VALUE such as sws@fr=6mm, got 'sws'"),
         (["--limit", "swx=3"], "limits: no output named 'swx'"),
         (["--limit", "sws=3N"], "--limit sws"),
+        (["--limit", "sws=6"], "pass --trust-units"),
         (["--limit", "sws=3mm", "--limit", "dtl=100N"], "no law meets the limits"),
         (["--minimise", "bacc@cg"], "minimise: no 'bacc@cg', available: bacc"),
     ],

@@ -177,7 +177,7 @@ def test_sweeps_in_memory_and_lazily():
         (ss.ThreeAxleTruck(), {"bacc", "roll_acc", "pitch_acc"}),
         (ss.QuarterCar(cs=CURVED), {"bacc"}),
     ],
-    ids=str,
+    ids=lambda value: type(value).__name__,
 )
 def test_any_vehicle_on_a_road_and_over_a_bump(car, axes):
     for ride in (ss.comfort(car, ss.Road(tracks="isotropic")), ss.comfort(car, bump(), speed=10.0, step=2e-3)):

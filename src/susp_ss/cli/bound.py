@@ -10,7 +10,17 @@ from rich.console import Console
 from ..quantities import ACTUATION, METRICS, Quantity
 from .documents import json_number, road_document
 from .folder import check_result
-from .options import Force, Json, built_from, measured, number, road_from_options, vehicle_options, weightings
+from .options import (
+    Force,
+    Json,
+    TrustUnits,
+    built_from,
+    measured,
+    number,
+    road_from_options,
+    vehicle_options,
+    weightings,
+)
 from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
@@ -57,6 +67,7 @@ def run(
     ] = None,
     force: Force = False,
     as_json: Json = False,
+    trust_units: TrustUnits = False,
 ) -> None:
     """Least root mean square of one output over all feedback laws, under limits of others.
 
@@ -68,7 +79,7 @@ def run(
 
     if out:
         check_result(out, ActiveBound, force)
-    limits = dict(_limit(text) for text in limit or [])
+    limits = dict(_limit(text, trust_units) for text in limit or [])
     with refusals(), Console(stderr=True).status("computing"):
         found = active_bound(vehicle, road, minimise, limits, weightings(weighting or []), preview=not no_preview)
         if out:
@@ -76,14 +87,14 @@ def run(
     typer.echo(json.dumps(_document(found), indent=2) if as_json else report(found), nl=as_json)
 
 
-def _limit(text: str) -> tuple[str, float]:
+def _limit(text: str, trust_units: bool) -> tuple[str, float]:
     name, equals, value = text.partition("=")
     if not equals:
         raise Refusal(f"--limit must be OUTPUT=VALUE such as sws@fr=6mm, got {text!r}")
     known: dict[str, Quantity] = METRICS | ACTUATION
     quantity = known.get(name.partition("@")[0])
     where = f"--limit {name}"
-    return name, number(where, value) if quantity is None else measured(where, value, quantity)
+    return name, number(where, value) if quantity is None else measured(where, value, quantity, trust_units)
 
 
 def _document(found: "ActiveBound") -> dict[str, Any]:

@@ -243,7 +243,7 @@ class _Problem(NamedTuple):
             gain=known.gain(law.K),
             minimise=self.name,
             bound=bound,
-            unresolved=0.0 if blind or change < RESOLVED else float(change / levels[1] / SLOWEST),
+            unresolved=0.0 if blind or change < RESOLVED else min(1.0, float(change / levels[1] / SLOWEST)),
             limits=dict(zip(task.names, limits.tolist(), strict=True)),
             multipliers={} if blind else dict(zip(task.names, prices.tolist(), strict=True)),
             preview=self.preview,
@@ -267,7 +267,7 @@ def _limits(known: Plant, limits: Any, minimised: str) -> xr.Dataset:
         plain = given if isinstance(given, xr.DataArray) else np.asarray(given)
         if plain.dtype.kind not in "iuf":
             raise TypeError(f"limits: {name} must be a root mean square > 0 or an array of them, got {briefly(given)}")
-        if not (np.isfinite(plain).all() and (plain > 0.0).all()):
+        if not (plain.size and np.isfinite(plain).all() and (plain > 0.0).all()):
             raise ValueError(f"limits: {name} must be finite and > 0, got {briefly(given)}")
         if plain.ndim > 1 and not isinstance(plain, xr.DataArray):
             raise ValueError(f"limits: {name} must be a number, a row of them or a DataArray, got {briefly(given)}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import isfinite
 from typing import TYPE_CHECKING, Any, Self
 
 import pandas as pd
@@ -98,7 +99,7 @@ class Feedback:
     def __repr__(self) -> str:
         table = self.table()
         first = [next(iter(self.values(name, "name"))) for name in SHOWN if name in self.metrics]
-        said = ", ".join(f"{name} {table.ratio[name]:.2f}" for name in first)
+        said = ", ".join(f"{name} {table.ratio[name]:.2f}" for name in first if isfinite(table.ratio[name]))
         return f"{self.kind} on {type(self.vehicle).__name__}: {said} of passive"
 
     def _repr_html_(self) -> str:

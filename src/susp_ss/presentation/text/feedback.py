@@ -31,7 +31,7 @@ def bound_text(bound: ActiveBound) -> str:
     said = f"{bound!r}. {rank}."
     if bound.unresolved:
         said += (
-            f" Forces without end would come closer and closer to a value about {100 * bound.unresolved:.2g} % lower; "
+            f" Forces without end would come closer and closer to a value about {100 * bound.unresolved:.3g} % lower; "
             "limit force to see what actuators of some strength can do."
         )
     limits = pd.DataFrame(
