@@ -58,8 +58,10 @@ bench: .venv/installed-test $(NONLINEAR)
 	$(BIN)/python benchmarks/ride_metrics.py
 	$(BIN)/python benchmarks/any_road_any_system.py
 	$(BIN)/python benchmarks/surrogates.py
+	$(BIN)/python benchmarks/design.py
 	$(BIN)/python benchmarks/intervals.py $(NONLINEAR)
 	$(BIN)/python benchmarks/rare_events.py
+	$(BIN)/python benchmarks/feedback.py
 	$(BIN)/python benchmarks/next_runs.py $(NONLINEAR)
 	$(BIN)/python benchmarks/damaged_files.py
 	$(BIN)/python benchmarks/sweeps.py

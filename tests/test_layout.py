@@ -23,6 +23,7 @@ ROOMS = (
     "metrics",
     "surrogates",
     "feedback",
+    "design",
     "study",
     "fit",
     "sweep",

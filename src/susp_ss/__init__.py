@@ -80,6 +80,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
             "learning_curve_of_runs",
             "sample",
         ],
+        "design": ["ParetoFront", "pareto_front"],
         "feedback": [
             "ActiveBound",
             "ActiveFront",

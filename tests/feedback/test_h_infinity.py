@@ -9,11 +9,17 @@ from susp_ss.feedback.h_infinity import worst_gain
 
 
 def peak(system, frequencies):
-    return max(np.linalg.norm(system(1j * omega), 2) for omega in frequencies)
+    return np.linalg.svd(np.moveaxis(system(1j * frequencies), -1, 0), compute_uv=False).max()
 
 
 def active_suspension(beta):
-    """MathWorks, Robust Control Toolbox, "Robust Control of Active Suspension": the nominal plant with its weights."""
+    """MathWorks, Robust Control Toolbox, "Robust Control of Active Suspension": the nominal plant with its weights.
+
+    Parameters and weights as its listing has them, forces in kN: ``Wroad = 0.07``, ``Wact = 0.8 (s + 50)/(s + 500)``,
+    ``Wd2 = 0.01``, ``Wd3 = 0.5``, on the deflection ``beta`` over ``HandlingTarget = 0.04 (s/8 + 1)/(s/80 + 1)``, on
+    the acceleration ``1 - beta`` over ``ComfortTarget = 0.4 (s/0.45 + 1)/(s/150 + 1)``, and the actuator
+    ``1/(s/60 + 1)``.
+    """
     mb, mw, bs, ks, kt = 300.0, 60.0, 1000.0, 16000.0, 190000.0
     A = [
         [0, 1, 0, 0],
@@ -42,8 +48,9 @@ def active_suspension(beta):
     return ct.interconnect(parts, inputs=["d1", "d2", "d3", "u"], outputs=["e1", "e2", "e3", "y1", "y2"])
 
 
-@pytest.mark.parametrize("beta", [0.01, 0.5, 0.99])
-def test_the_active_suspension_of_mathworks(beta):
+@pytest.mark.parametrize(("beta", "published"), [(0.01, 0.94), (0.5, 0.67), (0.99, 0.89)])
+def test_the_active_suspension_of_mathworks(beta, published):
+    """Levels as published, to both their digits; what the loop attains by its frequency response."""
     plant = active_suspension(beta)
     found = ss.h_infinity(plant, measured=["y1", "y2"], controls=["u"])
     loop = plant.lft(ct.ss(*(getattr(found.controller, part) for part in "ABCD")))
@@ -51,6 +58,7 @@ def test_the_active_suspension_of_mathworks(beta):
     attained = peak(loop, np.geomspace(0.1, 1e3, 1500))
     assert attained <= found.level <= 1.001 * found.least < 1.0
     assert found.level == pytest.approx(attained, rel=3e-4)
+    assert found.level == pytest.approx(published, abs=0.005)
 
 
 def test_a_closed_form():

@@ -218,6 +218,14 @@ def test_a_sweep_is_each_of_its_designs():
             np.testing.assert_allclose(slope, one[kind], rtol=1e-8, atol=1e-10 * float(abs(slope).max()))
 
 
+def test_a_change_at_an_axle_is_the_sum_of_its_corners_changes():
+    car, road = ss.FullCar(), ss.DEFAULT_ROAD
+    slope = ss.sensitivity(car, road, ["cs_front", "cs_fr", "cs_fl"])
+    for name in ("bacc", "dtl", "sws"):
+        whole, right, left = (slope[name].sel(parameter=p) for p in slope.parameter.values)
+        np.testing.assert_allclose(whole, right + left, rtol=1e-9)
+
+
 def test_labels_tell_units_and_meaning():
     slopes = ss.sensitivity(ss.FullCar(), ss.Road(cutoff=0.01), ["mb", "cs_rr", "cutoff"])
     assert slopes.parameter.values.tolist() == ["mb", "cs_rr", "cutoff"]

@@ -166,6 +166,16 @@ def test_runs_at_hand_are_tested_where_they_were_not_fitted(notes):
     np.testing.assert_array_equal(notes[3][0][:4], notes[0][0])
 
 
+@pytest.mark.parametrize("times", [(3,) * 7, (8, 1, 1, 1, 1), (1, 2, 3, 4, 5)])
+def test_repeated_runs_leave_designs_to_test_at(notes, times):
+    X = np.repeat(ss.sample(BOX, len(times)).to_numpy(), times, axis=0)
+    learning_curve = ss.learning_curve_of_runs({"zero": Witness()}, X, expensive(X), repeats=4)
+    assert learning_curve["refused"].isna().all()
+    for fitted, test in notes:
+        assert len(test) >= 2
+        assert not {*map(tuple, fitted)} & {*map(tuple, test)}
+
+
 def test_runs_at_hand_with_a_known_truth():
     X = ss.sample(BOX, 30).to_numpy()
     surrogates = {"RB": ss.ResponseBased(cheap), "plane": ss.Polynomial(1)}

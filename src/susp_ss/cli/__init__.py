@@ -13,12 +13,43 @@ from typing import Annotated
 
 import typer
 
-from . import bode, bound, comfort, doctor, events, export, fit, handling, metrics, predict, psd, road, study, sweep
+from . import (
+    bode,
+    bound,
+    comfort,
+    doctor,
+    events,
+    export,
+    fit,
+    handling,
+    metrics,
+    optimise,
+    predict,
+    psd,
+    road,
+    study,
+    sweep,
+)
 from .commands import Command, Commands
 from .refusals import Refusal
 
 app = typer.Typer(cls=Commands, no_args_is_help=False, pretty_exceptions_enable=False)
-for _module in (study, metrics, comfort, events, bode, psd, handling, sweep, fit, predict, bound, export, doctor):
+for _module in (
+    study,
+    metrics,
+    comfort,
+    events,
+    bode,
+    psd,
+    handling,
+    sweep,
+    fit,
+    predict,
+    bound,
+    optimise,
+    export,
+    doctor,
+):
     app.command(_module.__name__.rpartition(".")[2], cls=Command)(_module.run)
 app.add_typer(road.app, name="road")
 

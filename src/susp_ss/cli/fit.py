@@ -101,7 +101,8 @@ def run(
         str | None,
         typer.Option(
             metavar="NAME",
-            help="Weighting of the accelerations of histories or of an FMU, such as Wk.",
+            help="Weighting of the accelerations, such as Wk: histories and runs of an FMU pass it, of a table it says "
+            "what the accelerations there have passed; the cheap model's pass it, too.",
             show_default=False,
         ),
     ] = None,
@@ -190,7 +191,7 @@ def run(
         check_result(out, Fit, force)
     columns = _named("--inputs", inputs), _named("--outputs", outputs)
     stated = _pairs("--units", units or [])
-    given = {"--designs": designs, "--weighting": weighting, "--cut": cut, "--sheet": sheet, "--decimal": decimal}
+    given = {"--designs": designs, "--cut": cut, "--sheet": sheet, "--decimal": decimal}
     _check_source(runs or [], fmu, histories, {option for option, value in given.items() if value is not None})
     if next_range and not next_runs:
         raise Refusal("--next-range is for --next")
@@ -218,7 +219,7 @@ def run(
             table = read_runs(path, *columns, stated, decimal=decimal, sheet=sheet)
         fit = fit_runs(
             table,
-            LowFidelity(vehicle, road, at, tune or ("ms" if hasattr(vehicle, "ms") else "mb")),
+            LowFidelity(vehicle, road, at, tune or ("ms" if hasattr(vehicle, "ms") else "mb"), weighting),
             choose=surrogate,
             folds=folds,
             held_out_runs=held_out,
@@ -255,9 +256,8 @@ def _check_source(runs: list[Path], fmu: FmuRuns | None, histories: bool, given:
         raise Refusal("RUNS is missing: a table of expensive runs, histories, or --fmu FILE")
     if "--designs" in given and not histories:
         raise Refusal("--designs is for --histories")
-    for option in ("--weighting", "--cut"):
-        if option in given and not (histories or fmu):
-            raise Refusal(f"{option} is for --histories and --fmu")
+    if "--cut" in given and not (histories or fmu):
+        raise Refusal("--cut is for --histories and --fmu")
     if histories and "--cut" not in given:
         raise Refusal("--histories needs --cut, the start of each run that is left out, in s; 0 for none")
     if len(runs) > 1 and not histories:

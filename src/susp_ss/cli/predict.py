@@ -92,7 +92,8 @@ def run(
         _print(fitted, table)
         if len(lacking) < len(fitted.outputs):
             typer.echo(f"in brackets: bounds that are to hold {INTERVAL:.0%} of what the expensive model gives")
-        for line in (*_errors(fitted), *lacking):
+        through = [f"{output} is weighted, through {name}" for output, name in _weightings(fitted).items()]
+        for line in (*through, *_errors(fitted), *lacking):
             typer.echo(line)
 
 
@@ -170,6 +171,12 @@ def _rmse(fitted: "SuspensionSurrogate", output: str) -> float | None:
     return None if rmse is None else rmse / _scale(fitted, output)[1]
 
 
+def _weightings(fitted: "SuspensionSurrogate") -> dict[str, str]:
+    """What outputs are weighted by, those that are."""
+    through = {output: fitted.low_fidelity.through(output) for output in fitted.outputs}
+    return {output: one.name for output, one in through.items() if one is not None}
+
+
 def _errors(fitted: "SuspensionSurrogate") -> list[str]:
     known = {output: _rmse(fitted, output) for output in fitted.outputs}
     return [
@@ -185,6 +192,7 @@ def _document(fitted: "SuspensionSurrogate", table: "pd.DataFrame", lacking: lis
         "no_interval": lacking,
         "left_out_rmse": {output: _rmse(fitted, output) for output in fitted.outputs},
         "units": {name: _scale(fitted, name)[0] for name in (*fitted.inputs, *fitted.outputs)},
+        "weightings": _weightings(fitted),
         "designs": table.to_dict("records"),
     }
 

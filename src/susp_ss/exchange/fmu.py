@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ..extras import needing
 from ..fit.histories import over_time
-from ..fit.runs import Runs, bounded, check_asked, check_together
+from ..fit.runs import Runs, bounded, check_asked, checked_together
 from ..fit.tables import possible_units, quantity
 from ..metrics.weightings import filter_of
 from ..quantities import briefly, whole_number
@@ -362,8 +362,7 @@ class FMU:
             "run",
             f"{noted}{cut:g} s on" + (f", accelerations through {behind.name}" if behind else ""),
         )
-        check_together(runs)
-        return runs
+        return checked_together(runs)
 
 
 def _variables(path: Path) -> dict[str, Any]:

@@ -98,6 +98,12 @@ def h_infinity(plant: Any, measured: Sequence[str], controls: Sequence[str]) -> 
         No such signals; no direct weight on every control in the errors, or no noise on every measurement; no level
         for which a stabilising controller exists.
 
+    Notes
+    -----
+    Tests hold the level against the loop's own frequency response, a closed form, and the example "Robust Control of
+    Active Suspension" of MathWorks' Robust Control Toolbox: with the parameters and weights of its listing the levels
+    are 0.94, 0.67 and 0.89 as it says, to the two digits that it gives.
+
     Examples
     --------
     >>> import control as ct

@@ -211,6 +211,7 @@ def fit_runs(
     """
     columns = list(map(str, runs.designs))
     _check_enough(runs, held_out_runs)
+    _check_weighting(runs, low_fidelity)
     whole_number("next_runs", next_runs, 0, MOST, f"from 0 to {MOST}")
     runs.box(next_box)
     cheap = {str(output): low_fidelity.response(str(output), columns) for output in runs.responses}
@@ -310,6 +311,21 @@ def _check_enough(runs: Runs, held_out_runs: int) -> None:
             f"{runs.path}: {n} different designs to fit are fewer than the {k + 2} that {k} input(s) "
             f"need: a plane has {k + 1} coefficients, and one run is left out at a time"
         )
+
+
+def _check_weighting(runs: Runs, low_fidelity: LowFidelity) -> None:
+    """Refuse a cheap model whose accelerations pass another weighting than those of the runs."""
+    if runs.weighting is None:
+        return
+    as_read = dataclasses.replace(low_fidelity, weighting=runs.weighting)
+    for output in map(str, runs.responses):
+        theirs, own = as_read.through(output), low_fidelity.through(output)
+        if theirs is not None and (own is None or not own.same_as(theirs)):
+            given = "none" if own is None else own.name
+            raise ValueError(
+                f"{output} of the runs passed the weighting {theirs.name}, and of the cheap model {given}; pass "
+                "LowFidelity(weighting=...) what the runs were read with"
+            )
 
 
 def _check_units(runs: Runs, low_fidelity: LowFidelity, cheap: dict[str, LowFidelityResponse | None]) -> None:

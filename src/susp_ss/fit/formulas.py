@@ -70,7 +70,7 @@ def formula(surrogate: Surrogate, cheap: LowFidelityResponse | None = None) -> s
 
 
 def closed_form(cheap: LowFidelityResponse, value: float | None = None) -> str | None:
-    """Write a quarter car's metric as text in the names of its columns; None where there is no closed form.
+    """Write a quarter car's metric as text in the names of its columns; None without one, as weighted.
 
     With ``q = 2 pi^2 n0^2 G_d V`` and ``M = ms + mu``, on a road of waviness 2 without cut-off and without tyre
     damping, the variances are ``q/2 (kt cs/ms^2 + M ks^2/(ms^2 cs))`` of bacc, ``q M/(2 cs)`` of sws and
@@ -97,7 +97,7 @@ def closed_form(cheap: LowFidelityResponse, value: float | None = None) -> str |
     if cheap.parameter is not None and value is not None:
         given[cheap.parameter] = value
     white = road.waviness == 2.0 and road.scale_free and "cutoff" not in given
-    if not _is_quarter_car(car) or car.curved or not white or car.ct or "ct" in given:
+    if not _is_quarter_car(car) or car.curved or not white or car.ct or "ct" in given or cheap.response.weighted:
         return None
     own = {**vars(car), "speed": road.speed, "roughness": road.roughness}
     symbols: dict[str, float | str] = own | given

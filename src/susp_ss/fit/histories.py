@@ -23,7 +23,7 @@ from ..quantities import Quantity, briefly, metric_and_place
 from ..responses.filters import Filter
 from ..units import factor_of
 from ..written import Sign, checked_sign, decimal_sign, numbers
-from .runs import Runs, bounded, check_asked, check_together, conversion, in_si_units, texts
+from .runs import Runs, bounded, check_asked, checked_together, conversion, in_si_units, texts
 from .tables import Table, place, read_table, row_word
 
 Array = NDArray[np.float64]
@@ -125,9 +125,7 @@ def read_histories(
     rows = np.array([str(path.absolute().relative_to(folder)) for path in paths])
     made = ("read_histories", read)
     frames = frame[list(inputs)], frame[list(outputs)]
-    runs = Runs(*frames, rows, folder, kept, names, stated, made, "file", noted)
-    check_together(runs)
-    return runs
+    return checked_together(Runs(*frames, rows, folder, kept, names, stated, made, "file", noted))
 
 
 def _designs(

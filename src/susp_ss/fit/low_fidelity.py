@@ -7,12 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..metrics.response import Response
+from ..metrics.weightings import ACCELERATIONS, filter_of
 from ..quantities import CORNERS, GROUPS, ROAD, briefly, metric_and_place, signal
+from ..responses.filters import Filter
 from ..responses.settings import settable
 from ..roads.road import Road
 from ..vehicles.curves import rate_of
@@ -47,6 +50,8 @@ class LowFidelityResponse:
         Names of the columns of X, in SI units.
     parameter : str, optional
         A parameter of the cheap model that a second argument sets, as in `Response`.
+    weighting : str or system of python-control, optional
+        A filter before accelerations become root mean squares, as in `Response`.
 
     Attributes
     ----------
@@ -79,6 +84,7 @@ class LowFidelityResponse:
         place: str | None,
         columns: Sequence[str],
         parameter: str | None = None,
+        weighting: Any = None,
     ):
         self.vehicle, self.road, self.criterion, self.place = vehicle, road, criterion, place
         self.columns, self.parameter = tuple(columns), parameter
@@ -96,7 +102,7 @@ class LowFidelityResponse:
         self._weights = np.array(list(shares.values())).T
         self.unknown = tuple(name for name, row in zip(self.columns, self._weights, strict=True) if not row.any())
         at = _own_place(vehicle, place) if vehicle.layout().variables[criterion][0].dim else None
-        self.response = Response(vehicle, road, criterion, at, tuple(shares), parameter)
+        self.response = Response(vehicle, road, criterion, at, tuple(shares), parameter, weighting)
         self._rest = (1.0 - self._weights.sum(axis=0)) * [self.response.own(name) for name in shares]
         if hasattr(self.response, "parameter_value"):
             self.parameter_value = self.response.parameter_value
@@ -191,6 +197,9 @@ class LowFidelity:
         Where the expensive model was measured, for outputs whose names do not say so: a corner, or ``"cg"``.
     parameter : str, optional
         Of the vehicle or the road, which a parameter-based surrogate tunes.
+    weighting : str or system of python-control, optional
+        What the expensive model's accelerations are weighted by before they become root mean squares: a name of
+        `susp_ss.weighting` or a filter. The cheap model's are weighted likewise.
 
     Examples
     --------
@@ -204,10 +213,18 @@ class LowFidelity:
     road: Road
     place: str | None = None
     parameter: str | None = None
+    weighting: Any = None
 
     def __post_init__(self) -> None:
         if self.place not in (None, "cg", *CORNERS):
             raise ValueError(f"place must be one of {', '.join(CORNERS)}, cg, got {briefly(self.place)}")
+        if self.weighting is not None:
+            filter_of(self.weighting, "weighting")
+
+    def through(self, output: str) -> Filter | None:
+        """Return the filter that an output passes before its root mean square is taken, or None."""
+        behind = self.weighting is not None and metric_and_place(output)[0] in ACCELERATIONS
+        return filter_of(self.weighting, "weighting") if behind else None
 
     def own(self, column: str) -> float | None:
         """Return the model's own value of a column's parameter, over all its wheels, or None if it has none."""
@@ -236,4 +253,5 @@ class LowFidelity:
             raise ValueError(
                 f"output {output!r} has several places on {type(self.vehicle).__name__}; name it, such as {output}_fr"
             )
-        return LowFidelityResponse(self.vehicle, self.road, metric, place, columns, self.parameter if tuned else None)
+        parameter = self.parameter if tuned else None
+        return LowFidelityResponse(self.vehicle, self.road, metric, place, columns, parameter, self.weighting)

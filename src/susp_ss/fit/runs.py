@@ -9,7 +9,7 @@ SI units -> checks of the runs together. A table is taken whole or refused in on
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -67,6 +67,11 @@ class Runs:
     row_word: str = "line"
     noted: str = ""
     others: tuple[str, ...] = ()
+
+    @property
+    def weighting(self) -> Any:
+        """What accelerations passed as these runs were read, or None: of a table only its maker knows."""
+        return self.read[1].get("weighting")
 
     def place(self, run: int, name: str) -> str:
         """Say where the number of a run, 0 to n - 1, stands: ``runs.csv, line 7, column 'K_S'``."""
@@ -147,8 +152,11 @@ def read_runs(
         The file is not what its suffix says, or its suffix is unknown; a column is missing, there twice or asked for
         twice; a line is too short or too long; a cell is empty or no number, not finite, or beyond the bound of its
         name; numbers have decimal points and decimal commas, or could have either; a unit is none of its kind; an input
-        is the same in all runs; one design has two different responses; there are no runs. The message is one line with
-        the place in the file.
+        is the same in all runs; there are no runs. The message is one line with the place in the file.
+
+    Notes
+    -----
+    One design may have several runs with different results, as of a rig that scatters; ``noted`` says which.
 
     Examples
     --------
@@ -178,9 +186,7 @@ def read_runs(
     made = ("read_runs", read)
     rows, word = np.array(table.rows), row_word(path)
     frames = frame[list(inputs)], frame[list(outputs)]
-    runs = Runs(*frames, rows, path, kept, columns, stated, made, word, noted, table.others)
-    check_together(runs)
-    return runs
+    return checked_together(Runs(*frames, rows, path, kept, columns, stated, made, word, noted, table.others))
 
 
 def check_asked(inputs: Mapping[str, str], outputs: Mapping[str, str], units: Mapping[str, str]) -> dict[str, str]:
@@ -297,29 +303,29 @@ def _noted(path: Path, table: Table, decimal: str, given: Mapping[str, str]) -> 
 # The runs together
 
 
-def check_together(runs: Runs) -> None:
-    """Refuse one design of two results, and an input that never changes.
+def checked_together(runs: Runs) -> Runs:
+    """Runs whose inputs all vary, with a note where one design has different results.
 
     Raises
     ------
     ValueError
-        With the place of the run.
+        An input is the same in all runs.
     """
-
-    def shown(name: str, value: float) -> str:
-        return f"{name} = {value} {runs.units[name]}".rstrip()
-
-    first: dict[tuple[float, ...], int] = {}
-    outputs, responses = list(map(str, runs.responses)), runs.responses.to_numpy()
-    for run, design in enumerate(map(tuple, runs.designs.to_numpy())):
-        earlier = first.setdefault(design, run)
-        for name, here, there in zip(outputs, responses[run], responses[earlier], strict=True):
-            if here != there:
-                raise ValueError(
-                    f"{runs.place(run, name)}: {shown(name, here)}, but {runs.row_word} {runs.rows[earlier]} of "
-                    f"the same design has {shown(name, there)}"
-                )
     for name, values in zip(map(str, runs.designs), runs.designs.to_numpy().T, strict=True):
         if (values == values[0]).all():
-            where = place(runs.path, runs.columns[name])
-            raise ValueError(f"{where}: an input must vary, got {shown(name, values[0])} in all runs")
+            got = f"{name} = {values[0]} {runs.units[name]}".rstrip()
+            raise ValueError(f"{place(runs.path, runs.columns[name])}: an input must vary, got {got} in all runs")
+    scatter = _scatter(runs)
+    begun = f"{runs.noted}; " if runs.noted else f"{runs.path}: "
+    return replace(runs, noted=f"{begun}{scatter}") if scatter else runs
+
+
+def _scatter(runs: Runs) -> str:
+    """Which runs of one design have different results, in words; nothing where none have."""
+    of_one = runs.designs.groupby(list(runs.designs), sort=False).indices.values()
+    apart = [at for at in of_one if len(at) > 1 and (runs.responses.iloc[at].nunique() > 1).any()]
+    if not apart:
+        return ""
+    first = ", ".join(map(str, runs.rows[apart[0]]))
+    others = f", as of {len(apart) - 1} more designs" if apart[1:] else ""
+    return f"different results of one design, in {runs.row_word}s {first}{others}, are taken for scatter"

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from ..metrics.weightings import filter_of
 from ..quantities import briefly, quantity_of
 from ..roads.road import Road
 from ..roads.road_fit import unfitted
@@ -166,6 +167,7 @@ class SuspensionSurrogate:
                 "road": _road_table(cheap.road),
                 "place": cheap.place,
                 "parameter": cheap.parameter,
+                "weighting": _weighting_table(cheap.weighting),
             },
             "outputs": {
                 name: {"unit": unit, "accuracy": self.accuracy.get(name, {}), **to_numbers(self.models[name])}
@@ -196,6 +198,23 @@ def _road_table(road: Road) -> dict[str, Any]:
     if type(road) is not Road:
         raise ValueError(f"a surrogate file holds a Road, got a {type(road).__name__}")
     return dataclasses.asdict(road)
+
+
+def _weighting_table(weighting: Any) -> str | dict[str, list[float]] | None:
+    """A weighting as a file holds it: its name, or the coefficients of a filter, highest power first."""
+    if weighting is None or isinstance(weighting, str):
+        return weighting
+    own = filter_of(weighting, "weighting")
+    return {"numerator": own.numerator.tolist(), "denominator": own.denominator.tolist()}
+
+
+def _weighting(table: Any) -> Any:
+    """The weighting that a file holds."""
+    if table is None or isinstance(table, str):
+        return table
+    import control
+
+    return control.tf(table["numerator"], table["denominator"])
 
 
 def load_surrogate(path: str | PathLike[str]) -> SuspensionSurrogate:
@@ -278,7 +297,11 @@ def _foreign(document: dict[str, Any]) -> str | None:
 def _restored(document: dict[str, Any]) -> SuspensionSurrogate:
     inputs, cheap, outputs = document["inputs"], document["low_fidelity"], document["outputs"]
     low_fidelity = LowFidelity(
-        vehicle_of(cheap["vehicle"], trust_units=True), Road(**cheap["road"]), cheap["place"], cheap["parameter"]
+        vehicle_of(cheap["vehicle"], trust_units=True),
+        Road(**cheap["road"]),
+        cheap["place"],
+        cheap["parameter"],
+        _weighting(cheap.get("weighting")),
     )
     columns = list(inputs)
     if not outputs:

@@ -48,9 +48,11 @@ def metrics_in_memory(
     return _labelled(vehicle.layout(), space, found, weighting)
 
 
-def one_metric(vehicle: RoadVehicle, road: Road, name: str, place: str | None) -> Array:
+def one_metric(
+    vehicle: RoadVehicle, road: Road, name: str, place: str | None, weighting: Mapping[str, Filter]
+) -> Array:
     """A single metric (designs,), exact and without labels, which take as long as some hundred designs."""
-    _, found = _moments(vehicle, road, "covariance", design_space(vehicle, road).size, {})
+    _, found = _moments(vehicle, road, "covariance", design_space(vehicle, road).size, weighting)
     layout = vehicle.layout()
     _, places = layout.variables[name]
     values = values_of(layout, name, found.variances, found.power)

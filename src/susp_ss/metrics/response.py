@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..vehicles.contract import RoadVehicle
 from ..vehicles.curves import Curve, rate_of, rated
 from ..vehicles.vehicle import joined
 from .in_memory import one_metric
+from .weightings import filters
 
 Array = NDArray[np.float64]
 
@@ -37,22 +39,26 @@ class Response:
         The point or corner, where the criterion has several.
     inputs : sequence of str
         What the columns of X set, in SI units: fields of the vehicle; of a field that a corner may have for itself,
-        ``"ks"`` at all corners or ``"ks_fr"`` at one (of a curve the rate for small motion); and ``"speed"``,
-        ``"roughness"`` or ``"cutoff"`` of the road.
+        ``"ks"`` at all corners, ``"ks_front"`` at some or ``"ks_fr"`` at one (of a curve the rate for small motion);
+        and ``"speed"``, ``"roughness"`` or ``"cutoff"`` of the road.
     parameter : str, optional
         One more of these, that a second argument sets: ``response(X, value)``, for `ParameterBased`.
+    weighting : str, control.TransferFunction, control.StateSpace or mapping of either by output, optional
+        As in `ride_metrics`: one for all is for accelerations, and does nothing to another criterion.
 
     Attributes
     ----------
     parameter_value : float
         The vehicle's or road's own value of ``parameter``.
+    weighted : dict of str to Filter
+        The filter of the criterion by its name; empty without.
     value_per_design : bool
         True: the second argument may be one value for each design.
 
     Raises
     ------
     TypeError, ValueError
-        An unknown criterion, place or field; each names what is available.
+        An unknown criterion, place, field or weighting; each names what is available.
 
     Notes
     -----
@@ -67,6 +73,9 @@ class Response:
     (2,)
     >>> bool((response(X, 400.0) > response(X)).all())
     True
+    >>> felt = Response(QuarterCar(), Road(), "bacc", weighting="Wk")
+    >>> bool((felt(X) < Response(QuarterCar(), Road(), "bacc")(X)).all())
+    True
     """
 
     value_per_design = True
@@ -79,6 +88,7 @@ class Response:
         at: str | None = None,
         inputs: Sequence[str] = ("ks", "cs"),
         parameter: str | None = None,
+        weighting: Any = None,
     ):
         check_kinds(vehicle, road)
         if vehicle.design_space().dims:
@@ -96,13 +106,15 @@ class Response:
                 )
         if len(inputs) == 0 or len({*named}) != len(named):
             raise ValueError(f"inputs and parameter must be different fields, got {tuple(inputs)} and {parameter!r}")
-        for name in named:
-            if known[name].wheel is not None and known[name].field in named:
-                raise ValueError(f"{name!r} and {known[name].field!r} set one parameter, got both; pass one of them")
+        for one, other in combinations(sorted(named, key=lambda name: known[name].wheels is None), 2):
+            if known[one].meets(known[other]):
+                raise ValueError(f"{one!r} and {other!r} set one parameter, got both; pass one of them")
         self.vehicle: Any = vehicle
         self.road, self.criterion, self.at = road, criterion, at
         self.inputs, self.parameter = tuple(inputs), parameter
         self._check_place()
+        through = filters(weighting, vehicle.layout())
+        self.weighted = {name: one for name, one in through.items() if name == criterion}
         if parameter is not None:
             value = self.own(parameter)
             if isinstance(value, float):
@@ -110,10 +122,10 @@ class Response:
 
     def own(self, name: str) -> Any:
         """Return the vehicle's or the road's own value of an input or parameter."""
-        field, wheel, _ = settable(self.vehicle)[name]
+        field, wheels, _ = settable(self.vehicle)[name]
         if field in ROAD:
             return getattr(self.road, field)
-        return rate_of(getattr(self.vehicle, field) if wheel is None else self._at_wheels(field)[wheel])
+        return rate_of(getattr(self.vehicle, field) if wheels is None else self._at_wheels(field)[wheels[0]])
 
     def _at_wheels(self, field: str) -> dict[str, Any]:
         return dict(zip(self.vehicle.wheels, self.vehicle.at_wheels(field), strict=True))
@@ -157,10 +169,10 @@ class Response:
         """The metric (n,) of the vehicles on roads that columns of numbers make."""
         known, fields = settable(self.vehicle), dict[str, Any]()
         for name, column in settings.items():
-            field, wheel, _ = known[name]
+            field, wheels, _ = known[name]
             own = self._at_wheels(field)
-            if wheel is not None:
-                fields.setdefault(field, own)[wheel] = rated(own[wheel], column)
+            if wheels is not None:
+                fields.setdefault(field, own).update({wheel: rated(own[wheel], column) for wheel in wheels})
             elif any(isinstance(value, Curve) for value in own.values()):
                 fields[field] = {at: rated(value, column) for at, value in own.items()}
             else:
@@ -169,4 +181,4 @@ class Response:
             if isinstance(values, dict):
                 fields[field] = joined(values)
         vehicle = dataclasses.replace(self.vehicle, **fields) if fields else self.vehicle
-        return np.broadcast_to(one_metric(vehicle, road, self.criterion, self.at), n)
+        return np.broadcast_to(one_metric(vehicle, road, self.criterion, self.at, self.weighted), n)

@@ -47,10 +47,10 @@ def sensitivity(
         Any of the models, or a sweep of one.
     road : Road
     parameters : sequence of str
-        Fields of the vehicle; of a field that a corner may have for itself, ``"ks"`` is a common change at all
-        corners and ``"ks_fr"`` a change at one; of a curve its rate for small motion, which scales a `DamperCurve` and
-        exchanges the main spring of a `SpringCurve`. And ``"speed"``, ``"roughness"`` or (if there is one)
-        ``"cutoff"`` of the road.
+        Fields of the vehicle; of a field that a corner may have for itself, ``"ks"`` is a common change at all corners,
+        ``"ks_front"`` at those of an axle and ``"ks_fr"`` at one; of a curve its rate for small motion, which scales a
+        `DamperCurve` and exchanges the main spring of a `SpringCurve`. And ``"speed"``, ``"roughness"`` or (if there is
+        one) ``"cutoff"`` of the road.
     weighting, points
         As in `ride_metrics`.
 

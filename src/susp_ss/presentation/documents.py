@@ -73,9 +73,11 @@ def fit_document(fit: Fit) -> dict[str, Any]:
     """The ranking, the choice and the formula of each output of a fit."""
     outputs = {}
     for output, found in fit.outputs.items():
+        through = fit.low_fidelity.through(output)
         ranking = found.comparison.table.reset_index().astype(object)
         outputs[output] = {
             "unit": fit.runs.units[output],
+            "weighting": None if through is None else through.name,
             "taken": found.chosen,
             "predicts": found.verdict.predicts,
             "verdict": judged(fit, output),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from ..design import ParetoFront
 from ..feedback import ActiveBound, ActiveFront, Feedback
 from ..fit.fitting import Fit
 from ..metrics.comfort import Comfort
@@ -12,6 +13,7 @@ from ..roads.road_fit import FittedRoad
 from ..study.feasibility import Study
 from ..study.scan import Scan
 from .text.comfort import comfort_text
+from .text.design import design_text
 from .text.feedback import bound_text, feedback_text, front_text
 from .text.fit import fit_text
 from .text.road import fitted_road_text
@@ -27,6 +29,7 @@ TEXTS: dict[type, Callable[[Any], str]] = {
     Feedback: feedback_text,
     ActiveBound: bound_text,
     ActiveFront: front_text,
+    ParetoFront: design_text,
 }
 
 
@@ -38,11 +41,11 @@ def report(result: Any) -> str:
     nearest scenarios, and what each assumption can and cannot reach. Of a `FittedRoad`: class, spectrum and tracks,
     each with its interval. Of a `Comfort`: what is felt and in what words, doses, and how long a day they are
     permitted. Of a `Feedback`, an `ActiveBound` or an `ActiveFront`: every metric beside the passive vehicle's, the
-    gain, and what limits cost.
+    gain, and what limits cost. Of a `ParetoFront`: its designs, and what they gain over the vehicle itself.
 
     Parameters
     ----------
-    result : Study, Fit, Scan, FittedRoad, Comfort, Feedback, ActiveBound or ActiveFront
+    result : Study, Fit, Scan, FittedRoad, Comfort, Feedback, ActiveBound, ActiveFront or ParetoFront
 
     Returns
     -------

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fit.fitting import Fit
+from ..metrics.weightings import filter_of
 from ..roads.road import Road
 from ..roads.road_fit import unfitted
 from ..study.feasibility import Study
@@ -85,11 +86,13 @@ def _surface(road: Road) -> str:
 
 def fit_code(fit: Fit) -> str:
     """Python that makes a fit again from the same file."""
+    made = [f"runs = {_call(*fit.runs.read)}", f"cheap = {_code(fit.low_fidelity)}"]
+    own_filter = any("control.tf(" in line for line in made)
     return "\n".join(
         [
+            *(["import control"] if own_filter else []),
             "import susp_ss as ss\n",
-            f"runs = {_call(*fit.runs.read)}",
-            f"cheap = {_code(fit.low_fidelity)}",
+            *made,
             f"fit = ss.fit_runs(runs, cheap, {', '.join(f'{name}={value!r}' for name, value in fit.asked.items())})",
             "ss.save(fit, 'fit')",
         ]
@@ -108,4 +111,7 @@ def _code(value: Any) -> str:
         # What is nothing, and is so by default, goes without saying.
         fields = {name: x for name, x in fields.items() if x or defaults[name]}
         return _call(type(value).__name__, fields)
+    if hasattr(value, "ninputs"):
+        own = filter_of(value, "weighting")
+        return f"control.tf({own.numerator.tolist()!r}, {own.denominator.tolist()!r})"
     return repr(value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 from matplotlib.figure import Figure
 
+from ..design import ParetoFront
 from ..extras import needing
 from ..feedback import ActiveBound, ActiveFront, Feedback
 from ..fit.fitting import Fit
@@ -30,6 +31,7 @@ from ..study.scan import Scan
 from . import plots
 from .documents import comfort_document, fitted_road_document, study_document
 from .folder import write_results
+from .text.design import design_text
 from .text.feedback import bound_text, feedback_text, front_text
 from .text.fit import fit_text
 from .text.road import fitted_spectrum
@@ -66,6 +68,8 @@ FITTED_ROAD = "fitted_road.csv", "fitted_road.json", "fitted_road.png"
 COMFORT = "comfort.csv", "comfort.json", "comfort.png"
 LAW, GAIN, LAW_TEXT, LAW_PICTURE = "feedback.csv", "gain.csv", "feedback.txt", "feedback.png"
 
+FRONT, FRONT_METRICS, FRONT_TEXT, FRONT_PICTURE = "front.csv", "metrics.nc", "front.txt", "front.png"
+
 
 def save(result: Any, folder: str | PathLike[str], force: bool = False, figures: bool = True) -> None:
     """Write a result into a folder.
@@ -79,11 +83,12 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
     becomes ``comfort.csv``, ``comfort.json`` and, of one design on a `Road` or of a sweep along one dim,
     ``comfort.png``. A `Feedback`, an `ActiveBound` or an `ActiveFront` becomes ``feedback.csv`` (every metric beside
     the passive vehicle's, or the front), ``gain.csv`` where there is one gain, ``feedback.txt`` and ``feedback.png``. A
-    page is one file that opens in a browser without a network; it needs the extra ``pages``.
+    `ParetoFront` becomes ``front.csv`` (a row a design), ``metrics.nc``, ``front.txt`` and ``front.png``. A page is one
+    file that opens in a browser without a network; it needs the extra ``pages``.
 
     Parameters
     ----------
-    result : Study, Fit, Scan, FittedRoad, Comfort, Feedback, ActiveBound or ActiveFront
+    result : Study, Fit, Scan, FittedRoad, Comfort, Feedback, ActiveBound, ActiveFront or ParetoFront
     folder : path
         Made if missing.
     force : bool
@@ -335,6 +340,17 @@ def _write_front(front: ActiveFront, folder: Path, figures: bool) -> None:
         plots.feedback(front).savefig(folder / LAW_PICTURE)
 
 
+# Designs
+
+
+def _write_designs(front: ParetoFront, folder: Path, figures: bool) -> None:
+    front.table().to_csv(folder / FRONT, index_label="design")
+    front.metrics.to_netcdf(folder / FRONT_METRICS, engine="scipy")
+    (folder / FRONT_TEXT).write_text(design_text(front), encoding="utf-8")
+    if figures and len(front.designs) > 1:
+        plots.pareto(front).savefig(folder / FRONT_PICTURE)
+
+
 KINDS: dict[type, Kind] = {
     Study: Kind((*TABLES, PAGE, *STILLS.values()), _write_study),
     Fit: Kind((SURROGATE, REPORT, PAGE, ACCURACY, PREDICTIONS, NEXT), _write_fit),
@@ -344,4 +360,5 @@ KINDS: dict[type, Kind] = {
     Feedback: Kind((LAW, GAIN, LAW_TEXT, LAW_PICTURE), _write_law),
     ActiveBound: Kind((LAW, GAIN, LAW_TEXT, LAW_PICTURE), _write_law),
     ActiveFront: Kind((LAW, LAW_TEXT, LAW_PICTURE), _write_front),
+    ParetoFront: Kind((FRONT, FRONT_METRICS, FRONT_TEXT, FRONT_PICTURE), _write_designs),
 }

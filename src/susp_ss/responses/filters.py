@@ -86,6 +86,10 @@ class Filter:
         """``|W(j omega)|^2``."""
         return np.asarray(np.abs(self(1j * omega)) ** 2)
 
+    def same_as(self, other: Filter) -> bool:
+        """Whether another has the same coefficients."""
+        return np.array_equal(self.numerator, other.numerator) and np.array_equal(self.denominator, other.denominator)
+
     @cached_property
     def colours(self) -> Colours:
         """``|W(j omega)|^2`` as first-order terms, for one design.

@@ -123,8 +123,8 @@ def learning_curve_of_runs(
     y : array_like, (n,)
         Responses of the expensive model.
     budgets : sequence of int, optional
-        Numbers of runs to fit, drawn at random; by default those of `learning_curve` below four fifths of the runs, and
-        these.
+        Numbers of runs to fit, drawn at random, those of one design together; by default those of `learning_curve`
+        below four fifths of the runs, and these.
     repeats : int
         Draws of each size; within one, the smaller are parts of the larger.
     random_state : int
@@ -153,11 +153,13 @@ def learning_curve_of_runs(
     X, y = checked_runs(X, y)
     design, n, seed = same_design(X), len(y), whole_number("random_state", random_state, 0)
     if budgets is None:
-        most = max(1, min(int(FITTED * n), n - 2))
+        # A draw may end among the runs of one design, and the others of it are no test.
+        most = max(1, min(int(FITTED * n), n - 1 - int(np.bincount(design).max())))
         budgets = [*(runs for runs in BUDGETS if runs < most), most]
 
     def draw(runs: int, repeat: int) -> tuple[Runs, Runs]:
-        drawn = np.random.default_rng([seed, repeat]).permutation(n)[:runs]
+        order = np.random.default_rng([seed, repeat]).permutation(n)
+        drawn = order[np.argsort(pd.factorize(design[order])[0], kind="stable")][:runs]
         left = np.flatnonzero(~np.isin(design, design[drawn]))
         if runs > n or len(left) < 2:
             raise ValueError(f"budgets must leave two or more of the {n} runs to test at, got {runs}")

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 from .. import __version__
 from ..metrics.blocks import block_metrics, taken_apart
 from ..metrics.in_memory import template
-from ..quantities import ROAD, briefly, signal
+from ..metrics.outputs import check_output, kept
+from ..quantities import ROAD, briefly
 from ..responses.excitation import check_kinds
 from ..roads.road import Road
 from ..roads.road_fit import unfitted
@@ -106,33 +107,11 @@ def plan(
     return Plan(frame, arrays, ground, method, chosen, dtype, kept(like, chosen), chunk, asked)
 
 
-def kept(metrics: xr.Dataset, outputs: Sequence[str]) -> xr.Dataset:
-    """The metrics that are named, at all places or, as ``bacc_fr`` for ``bacc@fr``, at one."""
-    held = {}
-    for output in outputs:
-        name, _, place = output.partition("@")
-        data = metrics[name]
-        if place:
-            labelled = {"long_name": f"{data.attrs['long_name']} at {place}"}
-            data = data.sel({data.dims[-1]: place}, drop=True).assign_attrs(labelled)
-        held[signal(name, place)] = data
-    return xr.Dataset(held)
-
-
 def _checked(outputs: Sequence[str], like: xr.Dataset) -> tuple[str, ...]:
-    available = ", ".join(map(str, like.data_vars))
     if isinstance(outputs, str) or not outputs:
         raise ValueError(f'outputs must be names such as ("bacc@fr", "sws"), got {briefly(outputs)}')
-    for output in outputs:
-        name, at, place = str(output).partition("@")
-        if name not in like:
-            raise ValueError(f"outputs: no metric named {name!r}, available: {available}")
-        dims = like[name].dims
-        if at and not dims:
-            raise ValueError(f"outputs: {name} has one place only, got {output!r}; pass {name}")
-        if at and place not in like[name].indexes[dims[0]]:
-            places = ", ".join(like[name].indexes[dims[0]])
-            raise ValueError(f"outputs: {name} has no {dims[0]} named {place!r}, available: {places}")
+    for name in outputs:
+        check_output(name, like, "outputs")
     if len(set(outputs)) < len(outputs):
         raise ValueError(f"outputs must be different names, got {', '.join(outputs)}")
     return tuple(outputs)

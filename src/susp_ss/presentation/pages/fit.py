@@ -118,7 +118,7 @@ def _section(fit: Fit, output: str) -> dict[str, Any]:
     learning = None if found.learning is None else median_errors(found)
     return {
         "name": output,
-        "meaning": meaning(output),
+        "meaning": meaning(fit, output),
         "unit": unit,
         "low": float(fit.runs.responses[output].min()),
         "high": float(fit.runs.responses[output].max()),

@@ -12,6 +12,7 @@ from .feedback import feedback
 from .fitted import fitted_map
 from .frequency import bode, bode_magnitude, psd, spectra, study_curves
 from .modes import mode_shape, mode_shapes
+from .pareto import pareto
 from .ride import ride, ride_animation
 from .road import road_chart
 from .scan import scenario_scan
@@ -37,6 +38,7 @@ __all__ = [
     "learning_curves",
     "mode_shape",
     "mode_shapes",
+    "pareto",
     "parity",
     "psd",
     "residuals",

@@ -75,7 +75,7 @@ def unknown(fit: Fit) -> list[str]:
 def _output(fit: Fit, output: str) -> str:
     found, unit, y = fit.outputs[output], fit.runs.units[output], fit.runs.responses[output]
     lines = [
-        f"{output}: {meaning(output)}, {y.min():.4g} to {y.max():.4g} {typeset(unit)}".rstrip(),
+        f"{output}: {meaning(fit, output)}, {y.min():.4g} to {y.max():.4g} {typeset(unit)}".rstrip(),
         *map(_paragraph, judged(fit, output)),
         ranking_table(found, unit).to_string(),
         f"Taken: {found.chosen}.",
@@ -91,11 +91,12 @@ def _output(fit: Fit, output: str) -> str:
     return "\n".join(lines)
 
 
-def meaning(output: str) -> str:
-    """What an output is, and where."""
+def meaning(fit: Fit, output: str) -> str:
+    """What an output is, where, and what it is weighted by."""
     metric, place = metric_and_place(output)
     what = METRICS[metric].meaning if metric in METRICS else "an output of the runs"
-    return f"{what} at {place}" if place else what
+    through = fit.low_fidelity.through(output)
+    return f"{what}{f' at {place}' if place else ''}{f', through {through.name}' if through else ''}"
 
 
 def ranking_table(found: OutputFit, unit: str) -> pd.DataFrame:

@@ -45,7 +45,7 @@ def curved_rates(flat: Vehicle) -> list[Curved]:
 def as_settings(flat: Vehicle, rates: Sequence[Curved]) -> list[Setting]:
     """The same as settings of the linear car."""
     known = flat.quantities()
-    return [Setting(rate.field, rate.wheel if flat.per_corner else None, known[rate.field]) for rate in rates]
+    return [Setting(rate.field, (rate.wheel,) if flat.per_corner else None, known[rate.field]) for rate in rates]
 
 
 class Following:
@@ -67,7 +67,7 @@ class Following:
         self.rates = curved_rates(flat)
         self.P, self.N = len(settings), tangents.shape[1]
         self.on_curves = np.array(
-            [[s.field == r.field and s.wheel in (None, r.wheel) for r in self.rates] for s in settings], dtype=float
+            [[s.field == r.field and s.at(r.wheel) for r in self.rates] for s in settings], dtype=float
         )
         # Along settings with the rates held, and along rates.
         held, along, table = self.held(tangents), tangents[self.P :], flat.layout().outputs

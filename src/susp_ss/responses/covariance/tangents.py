@@ -126,7 +126,7 @@ def variance_tangents(vehicle: Vehicle, road: Road, settings: Sequence[Setting],
 
 def _along(settings: Sequence[Setting], field: str, wheel: str | None = None) -> Array:
     """Which settings are of a field (at a wheel), as a column (P, 1)."""
-    return np.array([[s.field == field and s.wheel in (None, wheel)] for s in settings], dtype=float)
+    return np.array([[s.field == field and s.at(wheel)] for s in settings], dtype=float)
 
 
 def stepped_along(vehicle: Vehicle, settings: Sequence[Setting], held: Container[tuple[str, str]] = ()) -> Vehicle:
