@@ -89,7 +89,7 @@ REFUSED = [
     ("synthesise --step 5V", "no unit 'V' of length"),
     ("synthesise --out road.xyz", "--out must end in .csv or .nc, got road.xyz"),
     ("synthesise --out held.csv", "--out held.csv exists already; pass --force to replace it"),
-    ("synthesise --out no/road.csv --length 1", "no"),
+    ("synthesise --out no/road.csv --length 1", "--out no/road.csv: there is no folder no"),
     ("synthesise --speed fast", "--speed"),
     ("read missing.csv", "missing.csv: No such file"),
     ("read held.csv --unit left", "--unit must be COLUMN=UNIT, such as left=mm"),
