@@ -43,7 +43,8 @@ def test_a_profile_is_the_library_s_and_fitted_as_there(answer, here):
     text = answer("fit road.csv")
     assert text.startswith("ISO 8608 class C, by the geometric mean of G_d(0.1 cycle/m): 0.000256 m^3")
     assert f"{road.waviness:12.4g}" in text
-    assert ss.report(road) == answer("fit road.nc").rstrip("\n")
+    assert ss.report(road) == answer("fit road.nc --out fitted").rstrip("\n")
+    assert json.loads((here / "fitted/fitted_road.json").read_text())["fitted"] == fitted["fitted"]
 
 
 def test_reading_says_what_was_found(answer, here):
@@ -88,12 +89,15 @@ REFUSED = [
     ("synthesise --step 5V", "no unit 'V' of length"),
     ("synthesise --out road.xyz", "--out must end in .csv or .nc, got road.xyz"),
     ("synthesise --out held.csv", "--out held.csv exists already; pass --force to replace it"),
-    ("synthesise --out no/road.csv --length 1", "no"),
+    ("synthesise --out no/road.csv --length 1", "--out no/road.csv: there is no folder no"),
     ("synthesise --speed fast", "--speed"),
     ("read missing.csv", "missing.csv: No such file"),
     ("read held.csv --unit left", "--unit must be COLUMN=UNIT, such as left=mm"),
     ("read held.csv --unit left=kg", "left is in one of m, mm"),
     ("read held.csv --x a", "columns must name x and left or right or both"),
+    ("read held.csv --unit x=furlong", "got 'furlong'; to say which, --unit x=m"),
+    ("read names.csv", "say which by --x, --left and --right"),
+    ("fit held.csv --out held.csv", "is a file, not a folder"),
     ("fit held.csv", "profile must be 80 m or longer"),
     ("fit held.csv --confidence 2", "confidence must be > 0 and < 1"),
     ("chart held.csv --out chart.gif", "--out must end in .png or .svg or .pdf"),
@@ -108,6 +112,7 @@ REFUSED = [
 @pytest.mark.parametrize(("line", "said"), REFUSED, ids=[line for line, _ in REFUSED])
 def test_bad_input_is_one_line(line, said, run, here):
     (here / "held.csv").write_text("x,left\n0,0\n1,0.01\n2,0\n")
+    (here / "names.csv").write_text("a,b\n0,0\n1,0\n")
     before = sorted(here.iterdir())
     code, out, err = run("road", *line.split())
     assert (code, out) == (2, "")

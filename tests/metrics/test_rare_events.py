@@ -219,3 +219,8 @@ def test_stops_need_deflections():
         ss.rare_events(ss.LinearVehicle(lag), ss.Road())
     with pytest.raises(ValueError, match=r"bump stop must fit the designs, got {'design': 3} for {'design': 2}"):
         ss.rare_events(ss.QuarterCar(ks=np.array([1e4, 2e4])), ROAD, np.array([0.05, 0.06, 0.07]))
+
+
+def test_a_slope_whose_powers_are_no_numbers_is_refused():
+    with pytest.raises(ValueError, match="sn_slope must be > 0 and at most 50, got 400"):
+        ss.rare_events(ss.QuarterCar(), ss.Road.iso8608("C", contact_length=0.1), sn_slope=400.0)

@@ -275,6 +275,8 @@ def _check_out(out: Path | None, force: bool, suffixes: tuple[str, ...]) -> None
         raise Refusal(f"--out must end in {' or '.join(suffixes)}, got {out}")
     if out.is_dir():
         raise Refusal(f"--out {out} is a folder")
+    if not out.parent.is_dir():
+        raise Refusal(f"--out {out}: there is no folder {out.parent}")
     if out.exists() and not force:
         raise Refusal(f"--out {out} exists already; pass --force to replace it")
 

@@ -27,6 +27,9 @@ OUTPUTS = ("bacc", "sws", "dtl")
 
 CLEARANCE = Quantity("clearance", "m", "travel of the suspension to a stop", bound="> 0")
 
+# S-N curves of springs fall with slopes of 3 to some 20; powers far beyond are no numbers.
+STEEPEST = 50.0
+
 
 def rare_events(
     vehicle: RoadVehicle,
@@ -106,6 +109,8 @@ def rare_events(
         positive(name, value, unit)
         for name, value, unit in (("sn_slope", sn_slope, ""), ("sn_range", sn_range, "N"), ("sn_cycles", sn_cycles, ""))
     )
+    if slope > STEEPEST:
+        raise ValueError(f"sn_slope must be > 0 and at most {STEEPEST:g}, got {slope:g}")
     stops = _stops(clearance, rebound, vehicle)
     space, flat, ground = spanned(vehicle, road)
     straight = linearise(flat, space, ground) if flat.curved else None

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..quantities import briefly, positive
 from ..vehicles.parameters import number_array
 from .golden_car import BASE, mean_index, velocities
-from .profiles import SIDES, checked_tracks
+from .profiles import SIDES, check_rising, checked_tracks
 from .road import Road
 
 Array = NDArray[np.float64]
@@ -148,10 +148,7 @@ def _rows(x: Any, elevation: Any) -> tuple[Array, Array]:
     distances, heights = rows
     if len(heights) != len(distances):
         raise ValueError(f"iri needs one height at each distance, got {len(heights)} at {len(distances)}")
-    back = np.flatnonzero(np.diff(distances) <= 0.0)
-    if back.size:
-        i = int(back[0])
-        raise ValueError(f"iri(x=...) must rise, got {distances[i + 1]:g} m after {distances[i]:g} m at point {i + 1}")
+    check_rising(distances, "iri(x=...) must rise")
     return distances, heights[None]
 
 

@@ -128,10 +128,22 @@ def checked_tracks(profile: xr.Dataset) -> tuple[Array, Array]:
     x = profile["x"].values.astype(float)
     if len(x) < 2:
         raise ValueError(f"profile must have at least two points, got {len(x)}")
+    check_rising(x, "profile must have rising x")
+    return x, np.stack([profile[name].values.astype(float) for name in SIDES])
+
+
+def check_rising(x: Array, need: str) -> None:
+    """Refuse distances in m that do not rise, by the first point that does not.
+
+    Raises
+    ------
+    ValueError
+        Saying the ``need``.
+    """
     back = np.flatnonzero(np.diff(x) <= 0.0)
     if back.size:
-        raise ValueError(f"profile must have rising x, got {x[back[0] + 1]:g} m after {x[back[0]]:g} m")
-    return x, np.stack([profile[name].values.astype(float) for name in SIDES])
+        i = int(back[0])
+        raise ValueError(f"{need}, got {x[i + 1]:g} m after {x[i]:g} m at point {i + 1}")
 
 
 def wheel_heights(
