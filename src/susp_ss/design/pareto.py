@@ -25,7 +25,7 @@ from ..vehicles.vehicle import Vehicle
 from .bounds import REPLACED, bounded, bounds
 from .problem import Problem
 from .scenarios import Scenarios, checked_scenarios
-from .search import MET, Point, Search
+from .search import MET, Point, Programme, Search
 
 Array = NDArray[np.float64]
 
@@ -194,7 +194,7 @@ def pareto_front(
     _check_bound(bound, problem)
     search = Search(problem)
     by_place = {problem.names.index(name): limit for name, limit in ceilings.items()}
-    found = [_end(search, 0, by_place)] if len(objectives) == 1 else _front(search, by_place, count)
+    found = _ends(search, (0,), by_place) if len(objectives) == 1 else _front(search, by_place, count)
     designs = problem.designs(np.stack([point.u for point in found]))
     metrics = problem.metrics(designs)
     return ParetoFront(
@@ -215,47 +215,60 @@ def pareto_front(
 def _front(search: Search, limits: Mapping[int, float], count: int) -> list[Point]:
     """Points of the front, from the least of the first objective to the least of the second."""
     with progress("points of the front", total=count) as shown:
-        found = []
-        for goal in (0, 1):
-            found.append(_settled(search, goal, _end(search, goal, limits), limits))
-            shown.advance()
+        found = _settled(search, _ends(search, (0, 1), limits), limits)
         extent = np.abs(found[0].values[:2] - found[1].values[:2])
         if (extent <= SAME * search.sizes[:2]).any():
             return [found[0]]
+        for _ in found:
+            shown.advance()
         closed: set[tuple[bytes, bytes]] = set()
         while len(found) < count:
-            gaps = [
-                (float(np.linalg.norm((a.values - b.values)[:2] / extent)), i)
-                for i, (a, b) in enumerate(itertools.pairwise(found))
-                if (a.u.tobytes(), b.u.tobytes()) not in closed
-            ]
+            gaps = [(a, b) for a, b in itertools.pairwise(found) if (a.u.tobytes(), b.u.tobytes()) not in closed]
             if not gaps:
                 break
-            _, i = max(gaps)
-            a, b = found[i], found[i + 1]
-            between = _between(search, a, b, limits, extent)
-            if between is None or min(np.abs((between.values - x.values)[:2] / extent).max() for x in (a, b)) <= SAME:
-                closed.add((a.u.tobytes(), b.u.tobytes()))
-                continue
-            found = _undominated([*found, between])
-            shown.advance()
+            longest = _longest(gaps, extent, count - len(found))
+            between = search.least([_midway(a, b, limits, extent) for a, b in longest])
+            new = []
+            for (a, b), point in zip(longest, between, strict=True):
+                if point is None or min(_apart(point, x, extent).max() for x in (a, b)) <= SAME:
+                    closed.add((a.u.tobytes(), b.u.tobytes()))
+                else:
+                    new.append(point)
+                    shown.advance()
+            found = _undominated([*found, *new])
     return found
 
 
-def _between(search: Search, a: Point, b: Point, limits: Mapping[int, float], extent: Array) -> Point | None:
-    """The design midway between two, by the objective in which they are farther apart."""
-    held = int(np.argmax(np.abs(a.values - b.values)[:2] / extent))
+def _apart(a: Point, b: Point, extent: Array) -> Array:
+    """How far apart two points are in either objective, as shares of the front's extent."""
+    return np.asarray(np.abs(a.values - b.values)[:2] / extent)
+
+
+def _longest(gaps: Sequence[tuple[Point, Point]], extent: Array, count: int) -> list[tuple[Point, Point]]:
+    """At most so many gaps, the longest first, none shorter than the halves of the longest."""
+    lengths = np.array([np.linalg.norm(_apart(a, b, extent)) for a, b in gaps])
+    order = np.argsort(-lengths, kind="stable")[:count]
+    return [gaps[i] for i in order if lengths[i] >= 0.5 * lengths.max()]
+
+
+def _midway(a: Point, b: Point, limits: Mapping[int, float], extent: Array) -> Programme:
+    """Find the design midway between two, by the objective in which they are farther apart."""
+    held = int(np.argmax(_apart(a, b, extent)))
     midway = 0.5 * (a.values[held] + b.values[held])
     tighter = {**limits, held: min(midway, limits.get(held, np.inf))}
-    return search.least(1 - held, tighter, [0.5 * (a.u + b.u)])
+    return Programme(1 - held, tighter, [0.5 * (a.u + b.u)])
 
 
-def _settled(search: Search, goal: int, end: Point, limits: Mapping[int, float]) -> Point:
-    """Of all designs that are as good as an end of the front, the best in the other objective."""
-    other = 1 - goal
-    as_good = {**limits, goal: float(end.values[goal]) * (1.0 + MET)}
-    found = search.least(other, as_good, [end.u])
-    return end if found is None or found.values[other] > end.values[other] else found
+def _settled(search: Search, ends: Sequence[Point], limits: Mapping[int, float]) -> list[Point]:
+    """Of all designs that are as good as either end of the front, the best in the other objective."""
+    as_good = [
+        Programme(1 - goal, {**limits, goal: float(end.values[goal]) * (1.0 + MET)}, [end.u])
+        for goal, end in enumerate(ends)
+    ]
+    return [
+        end if found is None or found.values[1 - goal] > end.values[1 - goal] else found
+        for goal, (end, found) in enumerate(zip(ends, search.least(as_good), strict=True))
+    ]
 
 
 def _undominated(points: Sequence[Point]) -> list[Point]:
@@ -267,25 +280,27 @@ def _undominated(points: Sequence[Point]) -> list[Point]:
     return kept
 
 
-def _end(search: Search, goal: int, limits: Mapping[int, float]) -> Point:
-    """The design that minimises one metric alone, or say which limits are out of reach."""
+def _ends(search: Search, goals: Sequence[int], limits: Mapping[int, float]) -> list[Point]:
+    """The designs that minimise one metric alone, or say which limits are out of reach."""
     starts = []
     if not search.met(limits).any():
         nearest = search.nearest(limits)
         starts.append(nearest.u)
         if search.excess(nearest.values, limits) > MET:
             raise ValueError(_out_of_reach(search, limits, nearest))
-    found = search.least(goal, limits, starts)
-    if found is None:
-        raise ValueError(_out_of_reach(search, limits, search.nearest(limits)))
-    return found
+    ends = []
+    for end in search.least([Programme(goal, limits, starts) for goal in goals]):
+        if end is None:
+            raise ValueError(_out_of_reach(search, limits, search.nearest(limits)))
+        ends.append(end)
+    return ends
 
 
 def _out_of_reach(search: Search, limits: Mapping[int, float], nearest: Point) -> str:
     """Which limits cannot be met, and what can."""
     names, said = search.problem.names, []
-    for i, limit in limits.items():
-        least = search.least(i, {})
+    alone = search.least([Programme(i, {}) for i in limits])
+    for (i, limit), least in zip(limits.items(), alone, strict=True):
         if least is not None and least.values[i] > limit:
             said.append(f"{names[i]} <= {limit:g} is out of reach, least {least.values[i]:.4g}")
     if not said:

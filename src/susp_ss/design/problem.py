@@ -1,4 +1,4 @@
-"""A vehicle's metrics as smooth functions of a few variables: values of many designs at once, derivatives of one."""
+"""A vehicle's metrics as smooth functions of a few variables: values and derivatives of many designs at once."""
 
 from __future__ import annotations
 
@@ -103,15 +103,16 @@ class Problem:
         found = self.metrics(self.designs(U))
         return np.stack([output(found, name).to_numpy() for name in self.names], axis=-1)
 
-    def slopes(self, u: Array) -> Array:
-        """Derivatives (names, k) along the unit cube: exact, over scenarios central differences of one batch."""
+    def slopes(self, U: Array) -> Array:
+        """Derivatives (N, names, k) along the unit cube: exact, over scenarios central differences of one batch."""
         if self.scenarios is not None:
-            return self._differences(u, STEP if self.smooth else WIDE_STEP)
-        vehicle, road = self._with(self.designs(u[None]).iloc[0])
+            return self._differences(U, STEP if self.smooth else WIDE_STEP)
+        vehicle, road = self._with({name: column.to_numpy() for name, column in self.designs(U).items()})
         found = sensitivity(vehicle, road, list(self.variables), weighting=self.weighting)
-        return np.stack([output(found, name).to_numpy() for name in self.names]) * self.width
+        return np.stack([output(found, name).to_numpy() for name in self.names], axis=1) * self.width
 
-    def _differences(self, u: Array, step: float) -> Array:
-        up, down = (np.clip(u + sign * step * np.eye(self.k), 0.0, 1.0) for sign in (1.0, -1.0))
-        values = self.values(np.concatenate([up, down]))
-        return np.asarray(((values[: self.k] - values[self.k :]) / np.sum(up - down, axis=1)[:, None]).T)
+    def _differences(self, U: Array, step: float) -> Array:
+        up, down = (np.clip(U[:, None] + sign * step * np.eye(self.k), 0.0, 1.0) for sign in (1.0, -1.0))
+        values = self.values(np.concatenate([up, down]).reshape(-1, self.k))
+        above, below = values.reshape(2, len(U), self.k, len(self.names))
+        return np.asarray(np.swapaxes((above - below) / np.sum(up - down, axis=-1)[..., None], 1, 2))

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..surrogates.sampling import sample
+from .lockstep import Ask, in_lockstep
 from .problem import Problem
 
 Array = NDArray[np.float64]
@@ -35,6 +38,18 @@ class Point(NamedTuple):
     values: Array
 
 
+# Steps in the unit cube that are rounding: there a line search may go on for hundreds of values.
+STILL = 1e-9
+
+
+class Programme(NamedTuple):
+    """Minimise metric ``goal`` under limits of others, metrics by their place among the names; start near designs."""
+
+    goal: int
+    limits: Mapping[int, float]
+    near: Sequence[Array] = ()
+
+
 class Search:
     """Minimises one of a problem's metrics under limits of others."""
 
@@ -46,20 +61,50 @@ class Search:
         # Every metric in proportion to what is usual.
         self.sizes = np.median(self.seen, axis=0)
 
-    def least(self, goal: int, limits: Mapping[int, float], starts: Sequence[Array] = ()) -> Point | None:
-        """The design whose metric ``goal`` is least while others stay within limits; None: none is found.
+    def least(self, programmes: Sequence[Programme]) -> list[Point | None]:
+        """The design of each programme whose goal is least while limits are met; None: none is found."""
+        starts = [self._starts(programme) for programme in programmes]
+        found = iter(
+            self._descended(
+                [
+                    partial(self._descend, programme.goal, programme.limits, start)
+                    for programme, some in zip(programmes, starts, strict=True)
+                    for start in some
+                ]
+            )
+        )
+        return [
+            self._best(programme, list(itertools.islice(found, len(some))))
+            for programme, some in zip(programmes, starts, strict=True)
+        ]
 
-        Metrics are told by their place among the names.
-        """
-        found = [self._descend(goal, limits, u) for u in self._starts(goal, limits, starts)]
-        met = [point for point in found if self.excess(point.values, limits) <= MET]
-        return min(met, key=lambda point: float(point.values[goal])) if met else None
+    def _best(self, programme: Programme, found: Sequence[Point]) -> Point | None:
+        met = [point for point in found if self.excess(point.values, programme.limits) <= MET]
+        return min(met, key=lambda point: float(point.values[programme.goal])) if met else None
 
     def nearest(self, limits: Mapping[int, float]) -> Point:
         """The design whose largest excess over limits is least."""
         excess = np.max([self.seen[:, i] / limit for i, limit in limits.items()], axis=0)
-        found = [self._descend_excess(limits, self.U[i]) for i in np.argsort(excess)[:STARTS]]
+        starts = self.U[np.argsort(excess)[:STARTS]]
+        found = self._descended([partial(self._descend_excess, limits, start) for start in starts])
         return min(found, key=lambda point: self.excess(point.values, limits))
+
+    def _descended(self, descents: Sequence[Callable[[Ask], Point]]) -> list[Point]:
+        """Where descents end that go side by side, as many designs in one call as there are descents."""
+
+        def counted(kind: str, compute: Callable[[Array], Array]) -> Callable[[Array], Array]:
+            def answer(U: Array) -> Array:
+                self.evaluated[kind] += len(U)
+                return compute(U)
+
+            return answer
+
+        # Values first, so that all slopes of a step, the more expensive, are found at once.
+        answers = {
+            "values": counted("values", self.problem.values),
+            "slopes": counted("slopes", self.problem.slopes),
+        }
+        return in_lockstep(descents, answers)
 
     def met(self, limits: Mapping[int, float]) -> NDArray[np.bool_]:
         """Which designs of the sample are within limits."""
@@ -77,9 +122,10 @@ class Search:
         """By how much the limits are exceeded at most, relatively."""
         return max((float(values[i] / limit - 1.0) for i, limit in limits.items()), default=0.0)
 
-    def _starts(self, goal: int, limits: Mapping[int, float], near: Sequence[Array]) -> list[Array]:
+    def _starts(self, programme: Programme) -> list[Array]:
         """Where to start: near others' solutions, and from the best of the sample."""
-        order = np.lexsort((self.seen[:, goal], self._over(limits)))
+        near = programme.near
+        order = np.lexsort((self.seen[:, programme.goal], self._over(programme.limits)))
         chosen = list(near)
         for u in self.U[order]:
             if len(chosen) >= max(STARTS if not near else 0, len(near) + 1):
@@ -88,75 +134,90 @@ class Search:
                 chosen.append(u)
         return chosen
 
-    def _descend(self, goal: int, limits: Mapping[int, float], start: Array) -> Point:
-        from scipy.optimize import minimize
-
-        at = _Remembered(self)
+    def _descend(self, goal: int, limits: Mapping[int, float], start: Array, ask: Ask) -> Point:
+        at = _Remembered(ask)
         rows, bounds = [*limits], np.array([*limits.values()])
-        within: Any = {
-            "type": "ineq",
-            "fun": lambda u: 1.0 - at.values(u)[rows] / bounds,
-            "jac": lambda u: -at.slopes(u)[rows] / bounds[:, None],
-        }
-        best = minimize(
+        end = self._slsqp(
             lambda u: at.values(u)[goal] / self.sizes[goal],
+            lambda u: at.slopes(u)[goal] / self.sizes[goal],
             start,
-            jac=lambda u: at.slopes(u)[goal] / self.sizes[goal],
-            method="SLSQP",
-            bounds=[(0.0, 1.0)] * len(start),
-            constraints=within if rows else (),
-            options=SMOOTH if self.problem.smooth else KINKED,
+            [(0.0, 1.0)] * len(start),
+            lambda u: 1.0 - at.values(u)[rows] / bounds,
+            lambda u: -at.slopes(u)[rows] / bounds[:, None],
         )
-        return at.point(best.x)
+        return at.point(end)
 
-    def _descend_excess(self, limits: Mapping[int, float], start: Array) -> Point:
+    def _descend_excess(self, limits: Mapping[int, float], start: Array, ask: Ask) -> Point:
         """Minimise t such that no metric exceeds t of its limit."""
-        from scipy.optimize import minimize
-
-        at = _Remembered(self)
+        at = _Remembered(ask)
         rows, bounds = [*limits], np.array([*limits.values()])
         first = np.max(at.values(start)[rows] / bounds)
         only_t = np.append(np.zeros(len(start)), 1.0)
-        within: Any = {
-            "type": "ineq",
-            "fun": lambda x: x[-1] - at.values(x[:-1])[rows] / bounds,
-            "jac": lambda x: np.column_stack([-at.slopes(x[:-1])[rows] / bounds[:, None], np.ones(len(rows))]),
-        }
-        best = minimize(
+        end = self._slsqp(
             lambda x: x[-1],
+            lambda x: only_t,
             np.append(start, first),
-            jac=lambda x: only_t,
-            method="SLSQP",
-            bounds=[(0.0, 1.0)] * len(start) + [(0.0, None)],
-            constraints=within,
-            options=SMOOTH if self.problem.smooth else KINKED,
+            [(0.0, 1.0)] * len(start) + [(0.0, None)],
+            lambda x: x[-1] - at.values(x[:-1])[rows] / bounds,
+            lambda x: np.column_stack([-at.slopes(x[:-1])[rows] / bounds[:, None], np.ones(len(rows))]),
         )
-        return at.point(best.x[:-1])
+        return at.point(end[:-1])
+
+    def _slsqp(self, least: Any, gradient: Any, start: Array, bounds: Any, positive: Any, jacobian: Any) -> Array:
+        """Where the sequential quadratic programme ends, at the latest when its steps are within rounding."""
+        from scipy.optimize import minimize
+
+        last = start
+
+        def still(x: Array) -> None:
+            nonlocal last
+            step, last = np.abs(x - last).max(), x.copy()
+            if step <= STILL:
+                raise _Still
+
+        try:
+            return np.asarray(
+                minimize(
+                    least,
+                    start,
+                    jac=gradient,
+                    method="SLSQP",
+                    bounds=bounds,
+                    constraints={"type": "ineq", "fun": positive, "jac": jacobian},
+                    options=SMOOTH if self.problem.smooth else KINKED,
+                    callback=still,
+                ).x
+            )
+        except _Still:
+            return last
+
+
+class _Still(Exception):
+    """A descent no longer moves."""
 
 
 class _Remembered:
-    """Values and slopes at the design asked for last."""
+    """Values and slopes, each design asked for once."""
 
-    def __init__(self, search: Search):
-        self.search = search
+    def __init__(self, ask: Ask):
+        self.ask = ask
         self.known: dict[tuple[str, bytes], Array] = {}
 
     def values(self, u: Array) -> Array:
-        return self._known("values", u, lambda u: self.search.problem.values(u[None])[0])
+        return self._known("values", u)
 
     def slopes(self, u: Array) -> Array:
-        return self._known("slopes", u, self.search.problem.slopes)
+        return self._known("slopes", u)
 
     def point(self, u: Array) -> Point:
         inside = np.clip(u, 0.0, 1.0)
         return Point(inside, self.values(inside))
 
-    def _known(self, what: str, u: Array, compute: Any) -> Array:
+    def _known(self, kind: str, u: Array) -> Array:
         inside = np.clip(u, 0.0, 1.0)
-        key = what, inside.tobytes()
+        key = kind, inside.tobytes()
         if key not in self.known:
-            self.search.evaluated[what] += 1
-            self.known[key] = compute(inside)
+            self.known[key] = self.ask(kind, inside)
         return self.known[key]
 
 
