@@ -3,11 +3,12 @@
 The certificate takes every node of a grid that meets the limit: none may beat a design of the front, and none may do
 better by more than 0.1 % where the front has a design. NSGA-II, its population 40 and else as pymoo sets it, is given
 as many evaluations as the front's descents took, and ten and thirty times as many; the hypervolume is that
-below the worst of all fronts, as a share of a front of 40 points. Then fronts over 10,000 scenarios; and where designs
-land that were optimised on a surrogate of few runs instead of the car, on the linear car and on the nonlinear one of
-``examples/``. Writes a table under ``benchmarks/results``. Run with ``make bench``.
+below the worst of all fronts, as a share of a front of 40 points. Then the best design over 10,000 scenarios; and where
+designs land that were optimised on a surrogate of few runs instead of the car, on the linear car and on the nonlinear
+one of ``examples/``. Writes a table under ``benchmarks/results``. Run with ``make bench``.
 """
 
+import dataclasses
 import os
 import sys
 import time
@@ -39,7 +40,7 @@ FOUR = {"ks_front": STIFFNESS, "ks_rear": STIFFNESS, "cs_front": DAMPING, "cs_re
 GRIDS = ({"ks": STIFFNESS, "cs": DAMPING}, {"ks_front": STIFFNESS, "cs_front": DAMPING, "arb_front": (0.0, 2e4)})
 
 # Asserted: what a node of a grid may be better by, and seconds of a front of 20 points over four variables.
-BETTER, LONGEST = 1e-3, 60.0
+BETTER, LONGEST = 1e-3, 20.0
 
 MORE = 1.05
 RUNS = (5, 10, 25, 60)
@@ -100,18 +101,21 @@ def beside_nsga2():
 
 
 def over_scenarios():
-    """Both ends of a front over 10,000 vehicles and roads."""
+    """One evaluation, and the one best design, over 10,000 vehicles and roads."""
     unit = qmc.LatinHypercube(4, rng=np.random.default_rng(0)).random(10_000)
     low, high = [1100.0, 1.6e5, 8.0, 1.6e-5], [1600.0, 2.3e5, 35.0, 2.56e-4]
     columns = qmc.scale(unit, low, high).T
     table = dict(zip(("mb", "kt", "speed", "roughness"), columns, strict=True))
+    crossed = CAR.replaced(mb=table["mb"], kt=table["kt"])
+    roads = dataclasses.replace(ROAD, speed=table["speed"], roughness=table["roughness"])
+    _, once = timed(lambda: ss.ride_metrics(crossed, roads))
     box, body = {"ks": STIFFNESS, "cs": DAMPING}, []
     for statistic in ("mean", 0.95, "worst"):
-        front, seconds = timed(
-            lambda s=statistic: ss.pareto_front(CAR, ROAD, box, OBJECTIVES, points=2, scenarios=table, statistic=s)
+        best, seconds = timed(
+            lambda s=statistic: ss.pareto_front(CAR, ROAD, box, OBJECTIVES[:1], scenarios=table, statistic=s)
         )
-        designs = front.evaluations["values"] + 2 * len(box) * front.evaluations["slopes"]
-        body.append([statistic, designs, digits(seconds, 2), digits(1e3 * seconds / designs, 2)])
+        designs = best.evaluations["values"] + 2 * len(box) * best.evaluations["slopes"]
+        body.append([statistic, digits(once, 2), designs, digits(seconds, 2), digits(1e3 * seconds / designs, 2)])
     return body
 
 
@@ -231,9 +235,9 @@ def markdown(certificates, race, robust, linear, curved, load, took):
         "",
         *rows(["", "evaluations", "s", "designs", "hypervolume"], race),
         "",
-        "## Both ends of a front over 10,000 scenarios of mass, tyres, speed and roughness, two variables",
+        "## Over 10,000 scenarios of mass, tyres, speed and roughness, two variables",
         "",
-        *rows(["statistic", "designs judged", "s", "ms a design"], robust),
+        *rows(["statistic", "one evaluation, s", "designs judged", "best design, s", "ms a design"], robust),
         "",
         "## Where designs land that were optimised on a surrogate",
         "",

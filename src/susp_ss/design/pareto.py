@@ -130,11 +130,11 @@ def pareto_front(
 ) -> ParetoFront:
     """Find the designs of a vehicle that no other beats in one objective without losing in the other.
 
-    Each end of the front minimises one objective alone, and the other among all designs that do. Then, one point after
-    another, the longest gap between neighbours is halved: ``min f1(x)`` such that ``f2(x) <= e`` midway, and
-    ``f_i(x) <= l_i`` for the limits (the epsilon constraint; by the other objective where that is farther apart). Each
-    is a sequential quadratic programme (SLSQP) on exact derivatives (`sensitivity`), started between its neighbours and
-    from the best of 2048 designs that fill the ranges.
+    Each end of the front minimises one objective alone, and the other among all designs that do. Then the longest gaps
+    between neighbours are halved, level by level: ``min f1(x)`` such that ``f2(x) <= e`` midway, and ``f_i(x) <= l_i``
+    for the limits (the epsilon constraint; by the other objective where that is farther apart). Each is a sequential
+    quadratic programme (SLSQP) on exact derivatives (`sensitivity`), started between its neighbours and from the best
+    of 2048 designs that fill the ranges; those of a level go side by side, and what they ask for is computed at once.
 
     Parameters
     ----------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -63,20 +62,14 @@ class Search:
 
     def least(self, programmes: Sequence[Programme]) -> list[Point | None]:
         """The design of each programme whose goal is least while limits are met; None: none is found."""
-        starts = [self._starts(programme) for programme in programmes]
-        found = iter(
-            self._descended(
-                [
-                    partial(self._descend, programme.goal, programme.limits, start)
-                    for programme, some in zip(programmes, starts, strict=True)
-                    for start in some
-                ]
-            )
+        begun = [(place, u) for place, one in enumerate(programmes) for u in self._starts(one)]
+        found = self._descended(
+            [partial(self._descend, programmes[place].goal, programmes[place].limits, u) for place, u in begun]
         )
-        return [
-            self._best(programme, list(itertools.islice(found, len(some))))
-            for programme, some in zip(programmes, starts, strict=True)
-        ]
+        ended: list[list[Point]] = [[] for _ in programmes]
+        for (place, _), point in zip(begun, found, strict=True):
+            ended[place].append(point)
+        return [self._best(programme, points) for programme, points in zip(programmes, ended, strict=True)]
 
     def _best(self, programme: Programme, found: Sequence[Point]) -> Point | None:
         met = [point for point in found if self.excess(point.values, programme.limits) <= MET]
@@ -90,21 +83,17 @@ class Search:
         return min(found, key=lambda point: self.excess(point.values, limits))
 
     def _descended(self, descents: Sequence[Callable[[Ask], Point]]) -> list[Point]:
-        """Where descents end that go side by side, as many designs in one call as there are descents."""
+        """Where descents end that go side by side, the designs of all in one call."""
+        # Values first, so that the slopes of all, which cost more, wait for one another.
+        return in_lockstep(descents, {"values": self._values, "slopes": self._slopes})
 
-        def counted(kind: str, compute: Callable[[Array], Array]) -> Callable[[Array], Array]:
-            def answer(U: Array) -> Array:
-                self.evaluated[kind] += len(U)
-                return compute(U)
+    def _values(self, U: Array) -> Array:
+        self.evaluated["values"] += len(U)
+        return self.problem.values(U)
 
-            return answer
-
-        # Values first, so that all slopes of a step, the more expensive, are found at once.
-        answers = {
-            "values": counted("values", self.problem.values),
-            "slopes": counted("slopes", self.problem.slopes),
-        }
-        return in_lockstep(descents, answers)
+    def _slopes(self, U: Array) -> Array:
+        self.evaluated["slopes"] += len(U)
+        return self.problem.slopes(U)
 
     def met(self, limits: Mapping[int, float]) -> NDArray[np.bool_]:
         """Which designs of the sample are within limits."""
