@@ -4,7 +4,7 @@ import threading
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import newton
 
@@ -27,6 +27,7 @@ def answers(calls):
     return {"values": values, "slopes": slopes}
 
 
+@settings(max_examples=8)
 @given(st.lists(st.floats(0.5, 30.0), max_size=6))
 def test_each_task_returns_what_it_returns_alone_in_as_few_calls_as_the_longest_needs(squares):
     calls, longest = [], []

@@ -221,22 +221,28 @@ def _front(search: Search, limits: Mapping[int, float], count: int) -> list[Poin
             return [found[0]]
         for _ in found:
             shown.advance()
-        closed: set[tuple[bytes, bytes]] = set()
+        closed: set[tuple[bytes, ...]] = set()
         while len(found) < count:
-            gaps = [(a, b) for a, b in itertools.pairwise(found) if (a.u.tobytes(), b.u.tobytes()) not in closed]
+            gaps = [gap for gap in itertools.pairwise(found) if _known_by(gap) not in closed]
             if not gaps:
                 break
             longest = _longest(gaps, extent, count - len(found))
             between = search.least([_midway(a, b, limits, extent) for a, b in longest])
-            new = []
-            for (a, b), point in zip(longest, between, strict=True):
-                if point is None or min(_apart(point, x, extent).max() for x in (a, b)) <= SAME:
-                    closed.add((a.u.tobytes(), b.u.tobytes()))
-                else:
-                    new.append(point)
-                    shown.advance()
+            new = [
+                point
+                for point, gap in zip(between, longest, strict=True)
+                if point is not None and min(_apart(point, end, extent).max() for end in gap) > SAME
+            ]
             found = _undominated([*found, *new])
+            kept = {id(point) for point in found}
+            closed |= {_known_by(gap) for point, gap in zip(between, longest, strict=True) if id(point) not in kept}
+            for _ in new:
+                shown.advance()
     return found
+
+
+def _known_by(gap: tuple[Point, Point]) -> tuple[bytes, ...]:
+    return tuple(end.u.tobytes() for end in gap)
 
 
 def _apart(a: Point, b: Point, extent: Array) -> Array:
