@@ -102,7 +102,7 @@ def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike, cross: bool = Fa
     -------
     xarray.DataArray
         On (sweep..., output, frequency), in output unit squared per Hz; with ``cross`` complex on (sweep..., output,
-        output_, frequency), a Hermitian matrix at each frequency.
+        ``output_``, frequency), a Hermitian matrix at each frequency.
 
     Raises
     ------

@@ -111,7 +111,7 @@ def coherence(vehicle: RoadVehicle, road: Road, frequency: ArrayLike) -> xr.Data
     Returns
     -------
     xarray.DataArray
-        On (sweep..., output, output_, frequency), between 0 and 1; NaN where no wheel moves an output.
+        On (sweep..., output, ``output_``, frequency), between 0 and 1; NaN where no wheel moves an output.
 
     Examples
     --------
