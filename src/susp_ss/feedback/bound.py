@@ -107,7 +107,7 @@ def active_bound(
     ``min E[y0^2]`` such that ``E[y_i^2] <= l_i^2`` over every causal law of forces between wheels and body that knows
     the whole state, and what each axle has met, which those behind will meet a wheelbase later. Linear, nonlinear,
     active or semi-active: none comes below. The dual ``max_lambda min_u E[y0^2 + sum lambda_i (y_i^2 - l_i^2)]`` has
-    its inner minimum by a Riccati equation with preview in closed form (`feedback.preview`).
+    its inner minimum by a Riccati equation with preview in closed form (``feedback.preview``).
 
     Parameters
     ----------

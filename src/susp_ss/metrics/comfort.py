@@ -164,8 +164,8 @@ def comfort(
     points : mapping of str to (x, y), optional
         Points of the body, as in `ride_metrics`.
     weighting : mapping of str, optional
-        Other weightings than the standard's for a seat, by output: ``{"bacc": "Wb"}`` for BS 6841. Without: `Wk` for
-        ``bacc``, `We` for ``roll_acc`` and ``pitch_acc``.
+        Other weightings than the standard's for a seat, by output: ``{"bacc": "Wb"}`` for BS 6841. Without: ``Wk`` for
+        ``bacc``, ``We`` for ``roll_acc`` and ``pitch_acc``.
     duration : float, optional
         Exposure in s, of a day or a ride. Without: 8 h on a `Road`, on a profile what one run over it takes. A profile
         is met again and again in a longer one.
@@ -185,7 +185,7 @@ def comfort(
         ``vdv`` and ``evdv``
             vibration dose value of the vertical acceleration, and its estimate ``1.4 a_w T^(1/4)``, in m/s^1.75;
         ``msdv``
-            motion sickness dose value ``sqrt(int a^2 dt)`` by `Wf`, in m/s^1.5; a third of it is about the percentage
+            motion sickness dose value ``sqrt(int a^2 dt)`` by ``Wf``, in m/s^1.5; a third of it is about the percentage
             of unadapted adults who vomit (annex D);
         ``a8``
             daily exposure ``a_w sqrt(T / 8 h)`` in m/s^2, and ``a8_action_time``, ``a8_limit_time``,

@@ -28,7 +28,7 @@ def weighted(acceleration: ArrayLike, time: ArrayLike, weighting: Any) -> Array:
 
     The filter starts from rest and takes the record as linear between its samples, so that no digital approximation
     of it is made. What a record starts with, such as gravity in an accelerometer's, it answers by a transient of a
-    second or two (`Wf`: ten): take the mean off first.
+    second or two (``Wf``: ten): take the mean off first.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def weighted(acceleration: ArrayLike, time: ArrayLike, weighting: Any) -> Array:
 
     Examples
     --------
-    Of a sine of 5 Hz, `Wk` lets 1.04 through:
+    Of a sine of 5 Hz, ``Wk`` lets 1.04 through:
 
     >>> import numpy as np
     >>> from susp_ss import weighted

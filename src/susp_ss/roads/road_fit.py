@@ -128,7 +128,7 @@ def fit_road(
 
     Notes
     -----
-    Intervals are those of a Gaussian road's sample, ``1.96 sqrt(diag((X' V^-1 X)^-1))`` times `FittedRoad.scatter`,
+    Intervals are those of a Gaussian road's sample, ``1.96 sqrt(diag((X' V^-1 X)^-1))`` times ``FittedRoad.scatter``,
     since measured spectra scatter by more than that: patches and joints are no part of a homogeneous road.
 
     Examples

@@ -109,7 +109,7 @@ class _GaussianProcess(Approximation):
         ndarray, (n, n)
             In the unit of the responses squared, by the likeliest variance: with a run's noise, and times the square
             of ``calibration_``, its diagonal is the square of the standard deviations of `predict`. What a further run
-            takes of it stands in `susp_ss.surrogates.next_designs`.
+            takes of it stands in ``susp_ss.surrogates.next_designs``.
         """
         designs = self._columns(X)
         return self.process_.covariance(self.box_.transform(designs), self._trend_at(designs))
