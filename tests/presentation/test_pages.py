@@ -22,6 +22,8 @@ from susp_ss.presentation.pages.page import number
 from susp_ss.presentation.save import STILLS
 from susp_ss.presentation.text.fit import typed
 
+pytestmark = pytest.mark.usefixtures("few_runs")
+
 # What a column may be called, and what it must not do.
 HOSTILE_INPUT, HOSTILE_OUTPUT = 'gap <b onclick="x">', '<script>alert("%{x}")</script>/&amp;'
 

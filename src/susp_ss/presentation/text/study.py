@@ -24,10 +24,7 @@ from ...study.published import (
 
 WIDTH = 96
 
-CELLS = (
-    f"In each cell {LABELS[GOAL]} beyond that of the true optimum / excess over the worse limit, in %, both on the full "
-    "car"
-)
+CELLS = f"In each cell, of the full car: {LABELS[GOAL]} beyond the true optimum / excess over the worse limit, in %"
 """What `landings` gives."""
 
 
