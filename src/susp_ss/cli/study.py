@@ -90,6 +90,7 @@ def run(
     of your own, --vehicle car.toml --ks-range 15e3:30e3 --cs-range 1e3:3e3,
     beside which nothing is published. Root mean squares of body acceleration
     (bacc, m/s^2), dynamic tyre load (dtl, N) and suspension working space (sws, m).
+    Designs are then optimised on surrogates of 5 to 60 runs, and verified on the full car.
     """
     if scan:
         _refuse_fixed(context)

@@ -145,8 +145,9 @@ def landed(study: Study) -> str:
     missed = f"; with none of these numbers {', '.join(never)}" if never else ""
     place = ", ".join(f"{optima.best[name]:.5g} {PARAMETERS[name].unit}" for name in ("ks", "cs"))
     return typeset(
-        f"The true optimum is at {place}; the middle of the range is {100 * optima.middle:.2g} % beyond it. Within "
-        f"{100 * NEAR:g} % of the optimum and the limits: {', '.join(reached) or 'none'}{missed}. With {most} runs a "
+        f"The true optimum is at {place}; the middle of the range is {100 * optima.middle:.2g} % beyond it, and what "
+        f"comes below it exceeds a limit. Within {100 * NEAR:g} % of the optimum and the limits: "
+        f"{', '.join(reached) or 'none'}{missed}. With {most} runs a "
         f"limit is exceeded by the design of {', '.join(exceeding) or 'none'}."
     )
 
