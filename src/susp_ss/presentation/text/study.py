@@ -141,14 +141,16 @@ def landed(study: Study) -> str:
     never = [name for name, runs in enough.items() if not runs]
     most = max(optima.landed.index.get_level_values("runs"))
     over = optima.landed["excess"].xs(most, level="runs")
-    exceeding = [f"{name} by {100 * excess:.2g} %" for name, excess in over[over > NEAR].items()]
+    exceeding = [f"{name} by {100 * excess:.1f} %" for name, excess in over[over > NEAR].items()]
+    broken = (
+        f"a limit is exceeded by the design of {', '.join(exceeding)}" if exceeding else "no design exceeds a limit"
+    )
     missed = f"; with none of these numbers {', '.join(never)}" if never else ""
     place = ", ".join(f"{optima.best[name]:.5g} {PARAMETERS[name].unit}" for name in ("ks", "cs"))
     return typeset(
         f"The true optimum is at {place}; the middle of the range is {100 * optima.middle:.2g} % beyond it, and what "
         f"comes below it exceeds a limit. Within {100 * NEAR:g} % of the optimum and the limits: "
-        f"{', '.join(reached) or 'none'}{missed}. With {most} runs a "
-        f"limit is exceeded by the design of {', '.join(exceeding) or 'none'}."
+        f"{', '.join(reached) or 'none'}{missed}. With {most} runs {broken}."
     )
 
 
