@@ -11,7 +11,7 @@ study: .venv/installed
 	$(BIN)/susp-ss study --out results --force
 
 # Tests ask what compiled code computes, not how fast: the quicker compilation will do, kept where no one else takes it.
-test test-kernel: export NUMBA_OPT = 1
+test test-kernel: export NUMBA_OPT = 0
 test test-kernel: export NUMBA_CACHE_DIR = $(CURDIR)/.venv/compiled
 
 test: .venv/installed-test

@@ -261,7 +261,7 @@ def test_killed_process_of_an_object_store(url, objects, undisturbed, run):
 
 
 @needs_s3
-@pytest.mark.parametrize("written", [1, 5, 10])
+@pytest.mark.parametrize("written", [1, 10])
 def test_killed_while_an_object_store_is_laid_out(written, bucket, url, objects, undisturbed):
     """Laying out is begun again; what somebody else has there is not touched."""
     kill = (
