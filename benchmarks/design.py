@@ -16,18 +16,20 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from pymoo.algorithms.moo.nsga2 import NSGA2
 from pymoo.core.problem import Problem
 from pymoo.indicators.hv import HV
 from pymoo.optimize import minimize as evolve
 from report import digits, processor, rows
-from scipy.optimize import minimize
 from scipy.stats import qmc
 
 import susp_ss as ss
 from susp_ss.metrics.outputs import output
 from susp_ss.study.feasibility import DAMPING, STIFFNESS
+from susp_ss.study.optima import MORE, RUNS, verified_optima
+from susp_ss.study.published import CRITERIA
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "examples"))
 import nonlinear_full_car
@@ -41,10 +43,6 @@ GRIDS = ({"ks": STIFFNESS, "cs": DAMPING}, {"ks_front": STIFFNESS, "cs_front": D
 
 # Asserted: what a node of a grid may be better by, and seconds of a front of 20 points over four variables.
 BETTER, LONGEST = 1e-3, 20.0
-
-MORE = 1.05
-RUNS = (5, 10, 25, 60)
-CRITERIA = ("bacc", "sws", "dtl")
 
 
 def timed(run):
@@ -123,62 +121,13 @@ def box_designs(count):
     return ss.sample({"ks": STIFFNESS, "cs": DAMPING}, count, random_state=1).to_numpy()
 
 
-def surrogates(criterion):
-    """What is fitted, on the quarter car of the corner as the cheap model."""
-    cheap = ss.Response(ss.QuarterCar(), ROAD, criterion, parameter="ms")
-    return {
-        "RB": ss.ResponseBased(cheap),
-        "VB": ss.VariableBased(cheap),
-        "PB": ss.ParameterBased(cheap),
-        "Kriging": ss.Kriging(),
-        "CoKriging": ss.CoKriging(cheap),
-    }
-
-
-def best_by(predict, limits):
-    """Design of the box with the least bacc among those whose sws and dtl are predicted to be within limits."""
-    low, width = np.array([STIFFNESS[0], DAMPING[0]]), np.ptp([STIFFNESS, DAMPING], axis=1)
-    nodes = low + np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 81)] * 2), axis=-1).reshape(-1, 2) * width
-    values = {name: one(nodes) for name, one in predict.items()}
-    over = np.max([values[name] / limit - 1.0 for name, limit in limits.items()], axis=0).clip(min=0.0)
-    first = np.lexsort((values["bacc"], over))[0]
-    size = values["bacc"].mean()
-
-    def at(u, name):
-        return float(predict[name](low + u.clip(0.0, 1.0)[None] * width)[0])
-
-    found = minimize(
-        lambda u: at(u, "bacc") / size,
-        (nodes[first] - low) / width,
-        method="SLSQP",
-        bounds=[(0.0, 1.0)] * 2,
-        constraints=[{"type": "ineq", "fun": lambda u, n=name: 1.0 - at(u, n) / limits[n]} for name in limits],
-        options={"ftol": 1e-9},
-    )
-    return low + found.x.clip(0.0, 1.0) * width
-
-
-def where_designs_land(expensive, truth=None):
+def where_designs_land(expensive, sought=None):
     """Of every surrogate and number of runs: bacc beyond the true optimum, and excess over the worse limit, in %."""
-    middle = expensive(np.array([[np.mean(STIFFNESS), np.mean(DAMPING)]]))[0]
-    limits = {"sws": MORE * middle[1], "dtl": MORE * middle[2]}
-    truth = truth or (lambda name: lambda X: expensive(X)[:, CRITERIA.index(name)])
-    best = expensive(best_by({name: truth(name) for name in CRITERIA}, limits)[None])[0]
-    body = {}
-    for runs in RUNS:
-        X = box_designs(runs)
-        F = expensive(X)
-        fitted = {name: {} for name in surrogates("bacc")}
-        for criterion, y in zip(CRITERIA, F.T, strict=True):
-            for name, model in surrogates(criterion).items():
-                fitted[name][criterion] = model.fit(X, y).predict
-        for name, predict in fitted.items():
-            got = expensive(best_by(predict, limits)[None])[0]
-            over = max(got[1] / limits["sws"], got[2] / limits["dtl"]) - 1.0
-            cell = f"{100 * (got[0] / best[0] - 1.0):+.2f} / {100 * max(over, 0.0):.2f}"
-            body.setdefault(name, [name]).append(cell)
-    passive = f"{100 * (middle[0] / best[0] - 1.0):+.2f}"
-    return passive, list(body.values())
+    cheap = {name: ss.Response(ss.QuarterCar(), ROAD, name, parameter="ms") for name in CRITERIA}
+    found = verified_optima(expensive, cheap, STIFFNESS, DAMPING, RUNS, sought=sought)
+    cells = [f"{100 * row.beyond:+.2f} / {100 * row.excess:.2f}" for row in found.landed.itertuples()]
+    body = pd.Series(cells, found.landed.index).unstack("runs", sort=False)
+    return f"{100 * found.middle:+.2f}", body.reset_index().to_numpy().tolist()
 
 
 def linear_car(X):
@@ -192,11 +141,12 @@ def nonlinear_car():
     record = nonlinear_full_car.record(ss.Road.iso8608("C", speed=20.0, tracks="isotropic"), 5.0, 0)
 
     def expensive(X):
-        return np.stack([nonlinear_full_car.run(ks, cs, record)[0] for ks, cs in X])
+        bacc, sws, dtl = np.transpose([nonlinear_full_car.run(ks, cs, record)[0] for ks, cs in X])
+        return np.stack([bacc, dtl, sws], axis=-1)
 
     X = np.concatenate([box_designs(49), [[k, c] for k in STIFFNESS for c in DAMPING]])
-    fitted = {name: ss.Kriging().fit(X, y) for name, y in zip(CRITERIA, expensive(X).T, strict=True)}
-    return expensive, lambda name: fitted[name].predict
+    fitted = [ss.Kriging().fit(X, y) for y in expensive(X).T]
+    return expensive, lambda X: np.stack([one.predict(X) for one in fitted], axis=-1)
 
 
 def main():

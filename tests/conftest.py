@@ -121,3 +121,11 @@ def opened(browser):
     """Open a page of its own."""
     with pages(browser) as open_page:
         yield open_page
+
+
+@pytest.fixture(scope="module")
+def few_runs():
+    """Optimise a study on surrogates of five runs alone."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("susp_ss.study.feasibility.RUNS", (5,))
+        yield

@@ -20,6 +20,8 @@ from susp_ss.quantities import typeset
 from susp_ss.study.scan import scan_scenarios
 from susp_ss.vehicles.files import models
 
+pytestmark = pytest.mark.usefixtures("few_runs")
+
 ROAD = ss.DEFAULT_ROAD
 
 

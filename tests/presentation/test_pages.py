@@ -21,6 +21,9 @@ from susp_ss.presentation.pages.figures import plain
 from susp_ss.presentation.pages.page import number
 from susp_ss.presentation.save import STILLS
 from susp_ss.presentation.text.fit import typed
+from susp_ss.presentation.text.study import landings
+
+pytestmark = pytest.mark.usefixtures("few_runs")
 
 # What a column may be called, and what it must not do.
 HOSTILE_INPUT, HOSTILE_OUTPUT = 'gap <b onclick="x">', '<script>alert("%{x}")</script>/&amp;'
@@ -131,6 +134,14 @@ def test_figures_are_plotly_s(page):
 def test_pages_are_deterministic(study, studied, tmp_path):
     ss.save(study, tmp_path)
     assert (tmp_path / "report.html").read_bytes() == (studied / "report.html").read_bytes()
+
+
+def test_a_study_shows_where_designs_land(study, studied):
+    text = (studied / "report.html").read_text(encoding="utf-8")
+    section = text[text.index('<h2 id="optima">') :]
+    for surrogate, row in landings(study.optima).items():
+        cells = "".join(f"<td>{cell.replace('-', '−')}</td>" for cell in row.values())
+        assert f'<tr><th scope="row">{surrogate}</th>\n{cells}' in section
 
 
 @pytest.mark.filterwarnings("ignore:the tuned parameter")

@@ -16,6 +16,8 @@ from susp_ss.study import published
 from susp_ss.study.feasibility import between, designs, grid
 from susp_ss.study.tabulated import Tabulated
 
+pytestmark = pytest.mark.usefixtures("few_runs")
+
 DATA = (*saving.TABLES, saving.PAGE)
 STILL = next(iter(saving.STILLS.values()))
 

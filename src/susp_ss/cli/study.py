@@ -90,12 +90,15 @@ def run(
     of your own, --vehicle car.toml --ks-range 15e3:30e3 --cs-range 1e3:3e3,
     beside which nothing is published. Root mean squares of body acceleration
     (bacc, m/s^2), dynamic tyre load (dtl, N) and suspension working space (sws, m).
+    Designs are then optimised on surrogates of 5 to 60 runs, and verified on the full car.
     """
     if scan:
         _refuse_fixed(context)
         _scan(10 if nodes is None else nodes, out, force, figures, as_json)
         return
 
+    from ..presentation.documents import study_document
+    from ..presentation.report import report
     from ..study import Study, feasibility_study
     from ..vehicles.files import read_vehicle
 
@@ -111,23 +114,19 @@ def run(
     size = 20 if nodes is None else nodes
     with refusals(), Console(stderr=True).status("fitting the surrogates"):
         study = feasibility_study(road, corner, (size, size), nonnegative, vehicle=car, low_fidelity=cheap, **ranges)
-    if as_json:
-        from ..presentation.documents import study_document
-
-        _finish(study, out, force, figures, json.dumps(study_document(study), indent=2) + "\n")
-    else:
-        _finish(study, out, force, figures)
+    with refusals(), Console(stderr=True).status("optimising on the surrogates"):
+        text = json.dumps(study_document(study), indent=2) + "\n" if as_json else report(study)
+    _finish(study, out, force, figures, text)
 
 
-def _finish(result: Any, out: Path | None, force: bool, figures: bool, text: str = "") -> None:
-    """Write a result where it is asked for, and print it, as its report unless there is another text."""
-    from ..presentation.report import report
+def _finish(result: Any, out: Path | None, force: bool, figures: bool, text: str) -> None:
+    """Write a result where it is asked for, and print its text."""
     from ..presentation.save import save
 
     if out is not None:
         with refusals(), Console(stderr=True).status(f"writing {out}"):
             save(result, out, force=force, figures=figures)
-    typer.echo(text or report(result), nl=False)
+    typer.echo(text, nl=False)
 
 
 def _refuse_fixed(context: typer.Context) -> None:
@@ -143,11 +142,13 @@ def _refuse_fixed(context: typer.Context) -> None:
 
 
 def _scan(nodes: int, out: Path | None, force: bool, figures: bool, as_json: bool) -> None:
+    from ..presentation.report import report
     from ..study import Scan, scan_scenarios
 
     if out is not None:
         check_result(out, Scan, force)
     with refusals():
         scan = scan_scenarios((nodes, nodes), progress=True)
-    text = scan.scenarios.to_json(orient="records", double_precision=15, indent=2) + "\n" if as_json else ""
+    table = scan.scenarios
+    text = table.to_json(orient="records", double_precision=15, indent=2) + "\n" if as_json else report(scan)
     _finish(scan, out, force, figures, text)

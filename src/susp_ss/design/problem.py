@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 # Vehicles on roads computed together: some 100 MB.
 TOGETHER = 2**17
 
+# Scenarios on which designs are judged that only say where to start.
+FEW = 2**6
+
 # Steps of differences, as shares of the range: of a mean, whose error is then 1e-8 of it, and of what follows another
 # scenario from one design to the next, which a wider step smooths.
 STEP, WIDE_STEP = 1e-4, 1e-2
@@ -62,6 +65,10 @@ class Problem:
     def smooth(self) -> bool:
         """Whether metrics have no kinks where another scenario becomes the one that counts."""
         return self.scenarios is None or self.scenarios.statistic == "mean"
+
+    def few(self) -> Problem:
+        """The same problem, judged on few scenarios."""
+        return self if self.scenarios is None else dataclasses.replace(self, scenarios=self.scenarios.some(FEW))
 
     def designs(self, U: Array) -> pd.DataFrame:
         """Points of the unit cube (N, k) in the variables' units."""

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..surrogates.sampling import sample
 from .lockstep import Ask, in_lockstep
-from .problem import Problem
 
 Array = NDArray[np.float64]
 
-# Designs of the sample, and scenarios on which they are judged: they only say where to start.
-DESIGNS, SCENARIOS = 2**11, 2**6
+# Designs of the sample, which only say where to start.
+DESIGNS = 2**11
 
 # Starts from the sample where there is no neighbour, so far apart in the unit cube.
 STARTS, APART = 3, 0.25
@@ -28,6 +27,31 @@ MET = 1e-6
 # scenario becomes the worst.
 SMOOTH = {"ftol": 1e-10, "maxiter": 100}
 KINKED = {"ftol": 1e-6, "maxiter": 25}
+
+
+class Searchable(Protocol):
+    """Metrics as smooth functions over the unit cube, such as a `Problem`."""
+
+    @property
+    def k(self) -> int:
+        """Number of variables."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the metrics."""
+
+    @property
+    def smooth(self) -> bool:
+        """Whether metrics have no kinks."""
+
+    def values(self, U: Array, /) -> Array:
+        """Metrics (N, metrics) at points (N, k)."""
+
+    def slopes(self, U: Array, /) -> Array:
+        """Derivatives (N, metrics, k) at points (N, k)."""
+
+    def few(self) -> Searchable:
+        """The same, judged fast, to say where to start."""
 
 
 class Point(NamedTuple):
@@ -52,11 +76,11 @@ class Programme(NamedTuple):
 class Search:
     """Minimises one of a problem's metrics under limits of others."""
 
-    def __init__(self, problem: Problem):
-        self.problem = problem
+    def __init__(self, problem: Searchable, starts: int = STARTS):
+        self.problem, self.starts = problem, starts
         self.evaluated = {"values": 0, "slopes": 0}
         self.U = sample({str(j): (0.0, 1.0) for j in range(problem.k)}, DESIGNS, "sobol").to_numpy()
-        self.seen = _fewer(problem).values(self.U)
+        self.seen = problem.few().values(self.U)
         # Every metric in proportion to what is usual.
         self.sizes = np.median(self.seen, axis=0)
 
@@ -78,7 +102,7 @@ class Search:
     def nearest(self, limits: Mapping[int, float]) -> Point:
         """The design whose largest excess over limits is least."""
         excess = np.max([self.seen[:, i] / limit for i, limit in limits.items()], axis=0)
-        starts = self.U[np.argsort(excess)[:STARTS]]
+        starts = self.U[np.argsort(excess)[: self.starts]]
         found = self._descended([partial(self._descend_excess, limits, start) for start in starts])
         return min(found, key=lambda point: self.excess(point.values, limits))
 
@@ -117,7 +141,7 @@ class Search:
         order = np.lexsort((self.seen[:, programme.goal], self._over(programme.limits)))
         chosen = list(near)
         for u in self.U[order]:
-            if len(chosen) >= max(STARTS if not near else 0, len(near) + 1):
+            if len(chosen) >= max(self.starts if not near else 0, len(near) + 1):
                 break
             if all(np.abs(u - other).max() > APART for other in chosen[len(near) :]):
                 chosen.append(u)
@@ -208,10 +232,3 @@ class _Remembered:
         if key not in self.known:
             self.known[key] = self.ask(kind, inside)
         return self.known[key]
-
-
-def _fewer(problem: Problem) -> Problem:
-    """The same problem, judged on few scenarios."""
-    from dataclasses import replace
-
-    return problem if problem.scenarios is None else replace(problem, scenarios=problem.scenarios.some(SCENARIOS))

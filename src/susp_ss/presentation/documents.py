@@ -13,6 +13,7 @@ from ..fit.next_runs import asked_for
 from ..metrics.comfort import AXES, Comfort
 from ..roads.road_fit import FittedRoad, unfitted
 from ..study.feasibility import Study
+from ..study.optima import Optima
 from ..study.published import CRITERIA, SURROGATES
 from ..vehicles.files import in_file, vehicle_table
 from .text.fit import judged, more
@@ -46,6 +47,7 @@ def study_document(study: Study) -> dict[str, Any]:
         "tables": tables,
         "held_out": _nested(study.held_out),
         "cost": _nested(study.cost),
+        "optima": _optima(study.optima),
         "seconds": study.seconds,
         "versions": versions(),
     }
@@ -63,6 +65,15 @@ def _nested(frame: pd.DataFrame) -> dict[str, Any]:
     for key, row in zip(frame.index, frame.to_dict("records"), strict=True):
         nested[key[0]][key[1]] = {str(name): _json(value) for name, value in row.items()}
     return nested
+
+
+def _optima(optima: Optima) -> dict[str, Any]:
+    """The optimum, and each surrogate's design by the number of its runs; SI units."""
+    landed: dict[str, Any] = {}
+    for (surrogate, runs), row in zip(optima.landed.index, optima.landed.to_dict("records"), strict=True):
+        landed.setdefault(surrogate, {})[str(runs)] = row
+    best = optima.best.to_dict()
+    return {"limits": optima.limits, "best": best, "middle": {"beyond": optima.middle}, "landed": landed}
 
 
 def _json(value: float) -> float | None:

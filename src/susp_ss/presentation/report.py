@@ -36,12 +36,13 @@ TEXTS: dict[type, Callable[[Any], str]] = {
 def report(result: Any) -> str:
     """Say in words and tables what a result is worth.
 
-    Of a `Study`: Tables 3 to 5 with ours beside the published values, what agrees, held-out accuracy and cost. Of a
-    `Fit`: for each output the ranking, the choice, what the cheap model was worth, and the formula. Of a `Scan`: the
-    nearest scenarios, and what each assumption can and cannot reach. Of a `FittedRoad`: class, spectrum and tracks,
-    each with its interval. Of a `Comfort`: what is felt and in what words, doses, and how long a day they are
-    permitted. Of a `Feedback`, an `ActiveBound` or an `ActiveFront`: every metric beside the passive vehicle's, the
-    gain, and what limits cost. Of a `ParetoFront`: its designs, and what they gain over the vehicle itself.
+    Of a `Study`: Tables 3 to 5 with ours beside the published values, what agrees, held-out accuracy, cost, and where
+    designs land that are optimised on the surrogates. Of a `Fit`: for each output the ranking, the choice, what the
+    cheap model was worth, and the formula. Of a `Scan`: the nearest scenarios, and what each assumption can and cannot
+    reach. Of a `FittedRoad`: class, spectrum and tracks, each with its interval. Of a `Comfort`: what is felt and in
+    what words, doses, and how long a day they are permitted. Of a `Feedback`, an `ActiveBound` or an `ActiveFront`:
+    every metric beside the passive vehicle's, the gain, and what limits cost. Of a `ParetoFront`: its designs, and what
+    they gain over the vehicle itself.
 
     Parameters
     ----------
@@ -59,8 +60,8 @@ def report(result: Any) -> str:
     Examples
     --------
     >>> import susp_ss as ss
-    >>> print(ss.report(ss.feasibility_study(nodes=(4, 4))).splitlines()[0][:75])
-    Feasibility study: 4 x 4 nodes, full car at fr, free coefficients; G_d(0.1
+    >>> print(ss.report(ss.comfort(ss.FullCar(), ss.Road())).splitlines()[0])
+    Comfort: FullCar on ..., 20 m/s, identical tracks, rear wheels delayed; 8 h of exposure
     """
     if type(result) not in TEXTS:
         available = ", ".join(kind.__name__ for kind in TEXTS)

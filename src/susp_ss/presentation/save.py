@@ -75,7 +75,7 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
     """Write a result into a folder.
 
     A `Study` becomes ``tables.csv`` (one row an entry: ours, published, unit), ``tables.json`` (the same with scenario,
-    held-out accuracy, cost and versions), ``responses.nc``, ``figures/`` and ``report.html``. A `Fit` becomes
+    held-out accuracy, cost, designs and versions), ``responses.nc``, ``figures/`` and ``report.html``. A `Fit` becomes
     ``surrogate.json``, ``accuracy.csv``, ``predictions.csv``, ``figures/``, ``report.md`` and ``report.html``, and if
     it was asked for next runs ``next_runs.csv``, a table whose outputs wait to be filled in. A `Scan` becomes
     ``scan.csv`` and ``scan.png``. A `FittedRoad` becomes ``fitted_road.csv`` (the bands of its profile),
@@ -115,9 +115,9 @@ def save(result: Any, folder: str | PathLike[str], force: bool = False, figures:
     >>> import pathlib, tempfile
     >>> import susp_ss as ss
     >>> folder = pathlib.Path(tempfile.mkdtemp(), "results")
-    >>> ss.save(ss.feasibility_study(nodes=(3, 3)), folder, figures=False)
+    >>> ss.save(ss.comfort(ss.FullCar(), ss.Road()), folder, figures=False)
     >>> sorted(path.name for path in folder.iterdir())
-    ['report.html', 'responses.nc', 'tables.csv', 'tables.json']
+    ['comfort.csv', 'comfort.json']
     """
     kind = kind_of(type(result))
     write_results(folder, lambda empty: kind.write(result, empty, figures), kind.files, force)

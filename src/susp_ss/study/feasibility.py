@@ -8,6 +8,7 @@ no road, speed or place; the scenario here is a documented choice of this packag
 from __future__ import annotations
 
 import dataclasses
+import functools
 import operator
 import time
 import warnings
@@ -25,13 +26,14 @@ from ..metrics.response import Response
 from ..metrics.ride import ride_metrics
 from ..quantities import PARAMETERS, briefly, signal
 from ..roads.road import DEFAULT_ROAD, Road
-from ..surrogates import ExtrapolationWarning, ParameterBased, ResponseBased, VariableBased, accuracy
+from ..surrogates import ExtrapolationWarning
 from ..vehicles.curves import rate_of
 from ..vehicles.full import FullCar
 from ..vehicles.quarter import QuarterCar
 from ..vehicles.vehicle import Vehicle
-from .published import ACCURACY, COEFFICIENTS, CRITERIA, SURROGATES, Published, comparison, index, published, ranking
-from .tabulated import Tabulated
+from .fits import fit, scores, tuned
+from .optima import RUNS, Optima, Responses, verified_optima
+from .published import COEFFICIENTS, CRITERIA, SURROGATES, Published, comparison, index, published, ranking
 
 STIFFNESS = (12536.0, 24570.0)
 """Range of K_s in N/m (Table 2 of the study)."""
@@ -110,6 +112,14 @@ class Study:
     def published(self) -> Published:
         """The study's own ``accuracy`` and ``coefficients``, as printed, in SI units."""
         return published()
+
+    @functools.cached_property
+    def optima(self) -> Optima:
+        """Where designs land that are optimised on each surrogate of few runs; searched when first asked for."""
+        ks, cs = (tuple(self.responses[name].values[[0, -1]].tolist()) for name in ("ks", "cs"))
+        quarter_car = _low_fidelity_functions(self.road, self.low_fidelity)
+        full_car = _high_fidelity_function(self.road, self.corner, self.vehicle)
+        return verified_optima(full_car, quarter_car, ks, cs, RUNS, self.nonnegative)
 
     def comparison(self) -> pd.DataFrame:
         """Ours beside the published value, one row an entry of Tables 3 to 5; NaN beside those of other cars."""
@@ -203,10 +213,7 @@ def feasibility_study(
     fitted = fit(X, F, quarter_car, nonnegative)
     at_nodes = scores(fitted, X, F)
     halfway = between(springs, dampers)
-
-    def evaluate(some: NDArray) -> NDArray:
-        return high_fidelity(some[:, 0], some[:, 1], road, corner, car).values
-
+    evaluate = _high_fidelity_function(road, corner, car)
     return Study(
         road=road,
         corner=corner,
@@ -220,63 +227,6 @@ def feasibility_study(
         cost=_cost(X, F, at_nodes, evaluate, quarter_car, nonnegative),
         seconds={"lf": lf_seconds, "hf": hf_seconds},
     )
-
-
-def fit(
-    X: NDArray[np.float64], F: NDArray[np.float64], low_fidelity: dict[str, Any], nonnegative: bool
-) -> dict[tuple[str, str], Any]:
-    """Fit every surrogate to every criterion.
-
-    Parameters
-    ----------
-    X : ndarray, (n, 2)
-        Designs (K_s, C_s).
-    F : ndarray, (n, 3)
-        Their high-fidelity responses, one column a criterion.
-    low_fidelity : dict
-        For each criterion a callable ``f(X)`` and ``f(X, ms)``, as `Response` is.
-
-    Returns
-    -------
-    dict
-        Fitted estimators by (surrogate, criterion).
-    """
-    fitted = {}
-    for (criterion, response), y in zip(low_fidelity.items(), F.T, strict=True):
-        for surrogate, model in fit_criterion(X, y, Tabulated(response, X), nonnegative).items():
-            fitted[surrogate, criterion] = model
-    return fitted
-
-
-def fit_criterion(X: NDArray, y: NDArray, f: Tabulated, nonnegative: bool) -> dict[str, Any]:
-    """Fit every surrogate to one criterion's high-fidelity responses y (n,)."""
-    return {
-        "RB": ResponseBased(f, nonnegative=nonnegative).fit(X, y),
-        "VB": VariableBased(f, nonnegative=nonnegative).fit(X, y),
-        "PB": ParameterBased(f).fit(X, y),
-    }
-
-
-def scores(fitted: dict[tuple[str, str], Any], X: NDArray, F: NDArray) -> pd.DataFrame:
-    """R2, RMSE and MAE of every surrogate at designs X, whose high-fidelity responses are F (n, 3)."""
-    column = dict(zip(CRITERIA, F.T, strict=True))
-    rows = [accuracy(column[key[1]], fitted[key].predict(X)) for key in index()]
-    return pd.DataFrame(rows, index=index(), columns=list(ACCURACY))
-
-
-def tuned(fitted: dict[tuple[str, str], Any]) -> pd.DataFrame:
-    """Coefficients a0, a1, a2 and ms of every surrogate; NaN where it has no such term."""
-    table = pd.DataFrame(index=index(), columns=["a0", "a1", "a2", "ms"], dtype=float)
-    for key in index():
-        table.loc[key, list(COEFFICIENTS[key[0]])] = coefficients_of(fitted[key])
-    return table
-
-
-def coefficients_of(model: Any) -> list[float]:
-    """Tuned values of a fitted surrogate, in the order of `COEFFICIENTS`."""
-    if isinstance(model, ParameterBased):
-        return [model.parameter_]
-    return [model.intercept_, *map(float, model.coef_)]
 
 
 def grid(
@@ -347,6 +297,10 @@ def _low_fidelity_functions(road: Road, cheap: Vehicle) -> dict[str, Response]:
     return {criterion: Response(cheap, own, criterion, parameter="ms") for criterion in CRITERIA}
 
 
+def _high_fidelity_function(road: Road, corner: str, car: Vehicle) -> Responses:
+    return lambda X: high_fidelity(X[:, 0], X[:, 1], road, corner, car).values
+
+
 def _responses(
     lf: xr.DataArray, hf: xr.DataArray, fitted: dict[tuple[str, str], Any], X: NDArray, road: Road, corner: str
 ) -> xr.Dataset:
@@ -365,7 +319,7 @@ def _cost(
     X: NDArray,
     F: NDArray,
     at_nodes: pd.DataFrame,
-    evaluate: Callable[[NDArray], NDArray],
+    evaluate: Responses,
     low_fidelity: dict[str, Any],
     nonnegative: bool,
 ) -> pd.DataFrame:

@@ -25,7 +25,8 @@ from ..roads.road import CLASSES, TRACKS, Road
 from ..surrogates import accuracy
 from ..vehicles.full import FullCar
 from ..vehicles.quarter import QuarterCar
-from .feasibility import by_criterion, checked_nodes, coefficients_of, designs, fit_criterion, grid
+from .feasibility import by_criterion, checked_nodes, designs, grid
+from .fits import coefficients_of, fit_criterion
 from .published import ACCURACY, COEFFICIENTS, CRITERIA, comparison, published, usable
 from .tabulated import Tabulated
 

@@ -27,6 +27,7 @@ from ..plots.study import AXES, ERROR_AXES, SURFACES, VIEW
 from ..plots.study import CS as DAMPER
 from ..plots.study import KS as SPRING
 from ..reproduction import study_code, study_command
+from ..text.study import CELLS, landed, landings, sought
 from .figures import DIVERGING, Figure, marker, plane, scatter, space, surface
 from .page import number, picture, render, subscripted
 
@@ -83,6 +84,10 @@ def study_page(study: Study, document: dict[str, Any], pictures: Mapping[str, Pa
         drawn=("full car", "quarter car", first),
         numbers={criterion: _numbers(study, criterion) for criterion in CRITERIA},
         errors={criterion: _error_sentences(study, criterion) for criterion in CRITERIA},
+        landings=landings(study.optima),
+        sought=sought(study),
+        cells=CELLS,
+        landed=landed(study),
         pictures={name: picture(path) for name, path in pictures.items()},
         code=study_code(study),
         command=study_command(study),
