@@ -13,7 +13,7 @@ from scipy.optimize import nnls
 import susp_ss as ss
 from susp_ss.presentation import save as saving
 from susp_ss.study import published
-from susp_ss.study.feasibility import between, designs, grid
+from susp_ss.study.feasibility import DAMPING, STIFFNESS, between, designs, grid
 from susp_ss.study.tabulated import Tabulated
 
 pytestmark = pytest.mark.usefixtures("few_runs")
@@ -352,3 +352,22 @@ def test_a_study_of_a_car_with_curves_is_saved_with_its_figures(tmp_path):
     study = ss.feasibility_study(ss.Road.iso8608("C", speed=20.0), nodes=(3, 3), vehicle=car)
     ss.save(study, tmp_path / "results")
     assert (tmp_path / "results" / "figures" / "bode_magnitude.png").stat().st_size > 1000
+
+
+def test_the_unit_of_mass_is_free():
+    """A car twice as heavy on springs, dampers and tyres twice as stiff moves alike: what few designs cost as well."""
+    car, cheap = ss.FullCar(), ss.QuarterCar()
+    scaled = {name: 2.0 * getattr(car, name) for name in ("mb", "ixx", "iyy", "mu", "kt")}
+    doubled = {name: 2.0 * getattr(cheap, name) for name in ("ms", "mu", "kt")}
+    ours = ss.feasibility_study(nodes=(4, 4)).cost
+    theirs = ss.feasibility_study(
+        nodes=(4, 4),
+        vehicle=ss.FullCar(**scaled),
+        low_fidelity=ss.QuarterCar(**doubled),
+        ks=tuple(2.0 * np.array(STIFFNESS)),
+        cs=tuple(2.0 * np.array(DAMPING)),
+    ).cost
+    errors = [name for name in ours if name.startswith("RMSE")]
+    for criterion, factor in (("bacc", 1.0), ("sws", 1.0), ("dtl", 2.0)):
+        one, other = (cost.xs(criterion, level="criterion")[errors] for cost in (ours, theirs))
+        np.testing.assert_allclose(other, factor * one, rtol=1e-4)

@@ -325,7 +325,7 @@ def _cost(
 ) -> pd.DataFrame:
     # Unscrambled Halton points but the first, the corner of the range: every prefix fills the range.
     unit_square = qmc.Halton(2, scramble=False).random(max(FEW) + 1)[1:]
-    few = qmc.scale(unit_square, *zip(STIFFNESS, DAMPING, strict=True))
+    few = qmc.scale(unit_square, X.min(axis=0), X.max(axis=0))
     F_few = evaluate(few)
     cost = pd.DataFrame({"unknowns": [UNKNOWNS[surrogate] for surrogate, _ in index()]}, index=index())
     for count in FEW:
