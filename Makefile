@@ -44,7 +44,7 @@ test-wheel: wheel
 
 # The examples on the pages run as they are built; then the site is opened in a browser.
 docs: .venv/installed-docs
-	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet --jobs 2 -d docs/_build/doctrees docs docs/_build/html
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet --jobs 6 -d docs/_build/doctrees docs docs/_build/html
 	$(BIN)/pytest -n 0 tests/test_docs.py
 	@echo open docs/_build/html/index.html
 
