@@ -14,6 +14,7 @@ from .options import (
     Force,
     Json,
     TrustUnits,
+    Weighting,
     built_from,
     measured,
     number,
@@ -45,14 +46,7 @@ def run(
             show_default=False,
         ),
     ] = None,
-    weighting: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME or OUTPUT=NAME",
-            help="Frequency weighting, as in susp-ss metrics; may be repeated.",
-            show_default=False,
-        ),
-    ] = None,
+    weighting: Weighting = None,
     no_preview: Annotated[
         bool,
         typer.Option("--no-preview", help="The best gain found on the states alone, blind to the road between axles."),

@@ -14,6 +14,7 @@ from .options import (
     TIME,
     Force,
     Json,
+    Point,
     body_points,
     built_from,
     flag,
@@ -80,14 +81,7 @@ def run(
             show_default="bacc=Wk,roll_acc=We,pitch_acc=We",
         ),
     ] = None,
-    point: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=X,Y",
-            help="A further point of the body, m ahead and left of the centre of gravity; may be repeated.",
-            show_default=False,
-        ),
-    ] = None,
+    point: Point = None,
     duration: Annotated[
         str | None,
         typer.Option(

@@ -13,6 +13,8 @@ from .documents import json_number, road_document
 from .options import (
     TIME,
     Json,
+    Point,
+    Weighting,
     body_points,
     built_from,
     counted,
@@ -44,23 +46,8 @@ def run(
             "errors.",
         ),
     ] = "covariance",
-    weighting: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME or OUTPUT=NAME",
-            help="Frequency weighting of the accelerations, Wk, Wd, Wb, ..., or of one output, roll_acc=We; may be "
-            "repeated.",
-            show_default=False,
-        ),
-    ] = None,
-    point: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=X,Y",
-            help="A further point of the body, m ahead and left of the centre of gravity; may be repeated.",
-            show_default=False,
-        ),
-    ] = None,
+    weighting: Weighting = None,
+    point: Point = None,
     duration: Annotated[
         str | None,
         typer.Option(metavar="s", help="Length of the record, with --method time.", show_default="600"),

@@ -13,6 +13,7 @@ from .options import (
     Force,
     Json,
     TrustUnits,
+    Weighting,
     bounds,
     built_from,
     measured,
@@ -58,14 +59,7 @@ def run(
         ),
     ] = None,
     points: Annotated[str, typer.Option(metavar="N", help="Designs of a trade-off.")] = "20",
-    weighting: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME or OUTPUT=NAME",
-            help="Frequency weighting of the accelerations, as in susp-ss metrics; may be repeated.",
-            show_default=False,
-        ),
-    ] = None,
+    weighting: Weighting = None,
     scenarios: Annotated[
         Path | None,
         typer.Option(

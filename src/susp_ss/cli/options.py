@@ -305,6 +305,23 @@ def _spectrum(path: Path) -> "tuple[list[float], list[float]]":
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON, SI units, in place of tables.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace the results of an earlier run in the folder.")]
+Weighting = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME or OUTPUT=NAME",
+        help="Frequency weighting of the accelerations, Wk, Wd, Wb, ..., or of one output, roll_acc=We; may be "
+        "repeated.",
+        show_default=False,
+    ),
+]
+Point = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME=X,Y",
+        help="A further point of the body, m ahead and left of the centre of gravity; may be repeated.",
+        show_default=False,
+    ),
+]
 
 
 def print_table(table: Table) -> None:

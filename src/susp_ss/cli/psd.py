@@ -13,6 +13,8 @@ from .folder import check_folder, write_together
 from .options import (
     Force,
     Json,
+    Point,
+    Weighting,
     body_points,
     built_from,
     print_table,
@@ -43,23 +45,8 @@ def run(
     road: "Road",
     frequency: "NDArray",
     output: Output = None,
-    weighting: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME or OUTPUT=NAME",
-            help="Frequency weighting of the accelerations, Wk, Wd, Wb, ..., or of one output, roll_acc=We; may be "
-            "repeated.",
-            show_default=False,
-        ),
-    ] = None,
-    point: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=X,Y",
-            help="A further point of the body, m ahead and left of the centre of gravity; may be repeated.",
-            show_default=False,
-        ),
-    ] = None,
+    weighting: Weighting = None,
+    point: Point = None,
     out: Annotated[
         Path | None,
         typer.Option(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 import pandas as pd
 import xarray as xr
 
-from ..quantities import briefly
+from ..metrics.outputs import check_output, output
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.linear import LinearVehicle
@@ -74,19 +74,11 @@ class Feedback:
         TypeError, ValueError
             Nothing stands under that name.
         """
-        if not isinstance(name, str):
-            raise TypeError(f"{where} must be the name of a metric such as 'bacc@cg', got {briefly(name)}")
-        metric, _, place = name.partition("@")
-        if metric not in self.metrics:
-            raise ValueError(f"{where}: no metric named {metric!r}, available: {', '.join(map(str, self.metrics))}")
-        data = self.metrics[metric]
-        places = [str(one) for one in data[data.dims[0]].values] if data.dims else [""]
-        found = {
-            f"{metric}@{one}" if one else metric: float(x) for one, x in zip(places, data.values.flat, strict=True)
-        }
-        if place and name not in found:
-            raise ValueError(f"{where}: no {name!r}, available: {', '.join(found)}")
-        return {name: found[name]} if place else found
+        check_output(name, self.metrics, where)
+        data = output(self.metrics, name)
+        if not data.dims:
+            return {name: float(data)}
+        return {f"{name}@{place}": float(x) for place, x in zip(data[data.dims[0]].values, data.values, strict=True)}
 
     def value(self, name: str) -> float:
         """One metric at one place."""
