@@ -57,7 +57,7 @@ def around(vehicle, road, name, step):
     return xr.concat([ss.ride_metrics(vehicle, other) for other in roads], "design")
 
 
-def check_by_differences(vehicle, road, names):
+def check_by_differences(vehicle, road, names, rounding):
     slopes, here, sizes = (
         ss.sensitivity(vehicle, road, names),
         ss.ride_metrics(vehicle, road),
@@ -72,7 +72,8 @@ def check_by_differences(vehicle, road, names):
             moment, slope = metrics[kind] ** power, slope * power * here[kind] ** (power - 1)
             expected = (moment * xr.DataArray(WEIGHTS, dims="design")).sum("design", skipna=False) / step
             # What ride_metrics loses to rounding, over the step, is the noise of a difference.
-            allowed = 1e-6 * abs(expected) + 1e-7 * moment.max("design") / sizes[name]
+            noise = rounding * np.abs(WEIGHTS).sum() * moment.max("design") / step
+            allowed = 1e-6 * abs(expected) + noise
             none = np.isnan(slope) & (np.isinf(here[kind]) | (here[kind] == 0.0))
             assert bool((none | (abs(slope - expected) <= allowed)).all()), (name, kind, slope.values, expected.values)
 
@@ -88,7 +89,7 @@ def test_sensitivities_are_the_limits_of_differences(vehicle, road):
     # Every sixth parameter, another sixth in each case: together they are all met on many roads.
     start = CASES.index((vehicle, road)) % 6
     vehicle, road = VEHICLES[vehicle], (ROADS | WHEEL_ROADS)[road]
-    check_by_differences(vehicle, road, list(parameters(vehicle, road))[start::6] or ["ks"])
+    check_by_differences(vehicle, road, list(parameters(vehicle, road))[start::6] or ["ks"], rounding=1e-11)
 
 
 @pytest.mark.filterwarnings("ignore:invalid value")
@@ -98,7 +99,8 @@ def test_random_vehicles_on_random_roads(vehicle, road, data):
     names = sorted(parameters(vehicle, road, least=50.0))
     chosen = data.draw(st.lists(st.sampled_from(names), min_size=3, max_size=3, unique=True))
     try:
-        check_by_differences(vehicle, road, chosen)
+        # Wheels that hop almost alike cost a lightly damped car three digits of what it has else.
+        check_by_differences(vehicle, road, chosen, rounding=1e-9)
     except ValueError as error:
         # Next to a symmetric car, what symmetry makes zero has too few digits to difference, and is refused.
         assume("fewer than six digits" not in str(error))
