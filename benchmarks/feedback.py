@@ -63,7 +63,7 @@ def timed(run):
 
 @contextmanager
 def clocked():
-    """Seconds of the processor that semidefinite programmes take meanwhile, compiled and solved, as the one of a list."""
+    """The seconds of the processor that semidefinite programmes take meanwhile, in a list of one."""
     clock = [0.0]
 
     def counted(function, *arguments):
