@@ -13,7 +13,7 @@ the second part 95 % were 88 to 95 % of new designs of nonlinear cars after 10 r
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from ..quantities import briefly
-from .folds import split
 
 Array = NDArray[np.float64]
 
@@ -90,32 +89,6 @@ def jackknife_plus(predicted: Array, by_others: Array, residuals: Array, level: 
     high = np.partition(by_others + residuals, rank - 1, axis=1)[:, rank - 1]
     # The ends may cross where the fits without a run disagree by more than they miss.
     return np.column_stack([np.minimum(low, predicted), np.maximum(high, predicted)])
-
-
-def refitted(
-    fit: Callable[[NDArray[np.intp]], Array], at_each: Callable[[Any, Any], Array], X: Array, y: Array
-) -> LeftOut:
-    """Fit without each design in turn; with more than 30 runs without a tenth of them at a time.
-
-    Parameters
-    ----------
-    fit : callable
-        Coefficients (m,) of a fit to these rows alone.
-    at_each : callable
-        Predictions (N, f) at designs (N, k) by fits of coefficients (f, m).
-    X : ndarray, (n, k)
-    y : ndarray, (n,)
-
-    Raises
-    ------
-    ValueError
-        The others do not determine a fit.
-    """
-    folds, errors, fits = np.empty(len(y), dtype=np.intp), np.empty(len(y)), []
-    for i, (fitted, left_out) in enumerate(split(X, None, 0)):
-        fits.append(fit(fitted))
-        folds[left_out], errors[left_out] = i, y[left_out] - at_each(X[left_out], fits[-1][None])[:, 0]
-    return LeftOut(errors, folds, np.array(fits))
 
 
 def left_out_of(found: Mapping[str, Any], coefficients: int) -> LeftOut:
