@@ -13,6 +13,7 @@ from ..vehicles.curves import rate_of
 from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.seats import Seat
 from ..vehicles.vehicle import Vehicle
+from .seat import DRIVER, seated, takes_seat
 
 
 class Number(NamedTuple):
@@ -36,7 +37,7 @@ class Number(NamedTuple):
 
 
 class Choice(NamedTuple):
-    """A word, or ``several``, that the page may set among ``options``."""
+    """A word, or ``several``, that the page may set among ``options``; of these ``seated`` need the driver's seat."""
 
     name: str
     table: str
@@ -46,6 +47,7 @@ class Choice(NamedTuple):
     options: tuple[str, ...]
     default: Any
     several: bool = False
+    seated: tuple[str, ...] = ()
 
 
 GROUPS = {
@@ -169,15 +171,6 @@ def takes_curve(car: RoadVehicle) -> bool:
     return isinstance(car, Vehicle) and not isinstance(car, RideHandlingCar) and not car.curved
 
 
-def takes_seat(car: RoadVehicle) -> bool:
-    """Whether the page may put a seat on a vehicle, which has none yet."""
-    return (
-        isinstance(car, Vehicle)
-        and not isinstance(car, RideHandlingCar)
-        and "seat_travel" not in car.layout().variables
-    )
-
-
 def _seat(car: RoadVehicle) -> Iterator[Number]:
     if not takes_seat(car):
         return
@@ -202,17 +195,21 @@ def _road(road: Road) -> Iterator[Number | Choice]:
 
 
 def _shown(car: RoadVehicle) -> Iterator[Choice]:
-    metrics = outputs(car)
-    first = {name.partition("@")[0]: name for name in reversed(metrics)}
-    x, y = first.get("sws", metrics[0]), first.get("bacc", metrics[0])
-    yield Choice("carpet_x", "carpet", "x", "carpet", "across the carpet", metrics, x)
-    yield Choice("carpet_y", "carpet", "y", "carpet", "up the carpet", metrics, y)
-    public = car.layout().outputs
-    some = tuple(name for name in metrics if name.replace("@", "_") in public.names[public.public])
-    yield Choice("bode", "", "bode", "frequency", "outputs over frequency", some, [y, x] if x in some else [y], True)
+    own, public = _outputs(car)
+    felt, felt_public = _outputs(seated(car, {})) if takes_seat(car) else ((), ())
+    more = tuple(name for name in felt if name.endswith(f"@{DRIVER}"))
+    first = {name.partition("@")[0]: name for name in reversed(own)}
+    x, y = first.get("sws", own[0]), first.get("bacc", own[0])
+    yield Choice("carpet_x", "carpet", "x", "carpet", "across the carpet", own + more, x, seated=more)
+    yield Choice("carpet_y", "carpet", "y", "carpet", "up the carpet", own + more, y, seated=more)
+    more = tuple(name for name in more if name in felt_public)
+    some = [name for name in (y, x) if name in public]
+    yield Choice("bode", "", "bode", "frequency", "outputs over frequency", public + more, some, True, seated=more)
 
 
-def outputs(car: RoadVehicle) -> tuple[str, ...]:
-    """Names of all metrics of a vehicle, ``sws@fr``."""
-    variables = car.layout().variables
-    return tuple(f"{name}@{place}" if place else name for name, (_, places) in variables.items() for place in places)
+def _outputs(car: RoadVehicle) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of all metrics of a vehicle, ``sws@fr``, and of those that have a frequency response."""
+    layout = car.layout()
+    names = [f"{name}@{at}" if at else name for name, (_, places) in layout.variables.items() for at in places]
+    public = layout.outputs.names[layout.outputs.public]
+    return tuple(names), tuple(name for name in names if name.replace("@", "_") in public)
