@@ -105,8 +105,7 @@ def apart(share):
     )
 
 
-@pytest.mark.parametrize("share", [0.05, 0.3, 1.0])
-@pytest.mark.parametrize("delay", [False, True])
+@pytest.mark.parametrize(("share", "delay"), [(0.05, True), (0.3, False), (1.0, True)])
 def test_corners_apart_against_multiple_precision(share, delay):
     car, road = apart(share), oracles.RoadCase(speed=20.0, delay=delay)
     metrics = ss.ride_metrics(car, ss.Road(delay=delay))
