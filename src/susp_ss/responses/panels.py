@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 # bound; what comes from below the third end falls at least with the first power of frequency.
 LOWEST, HIGHEST, LOWEST_OF_STEEP = 1e-60, 1e60, 1e-11
 
+# How far off the axis every pole counts, so that no panel is shorter than numbers can tell.
+CLOSEST = 1e-12
+
 # Where poles are, in rad/s, that a road does not have.
 NOWHERE = 1e300
 
@@ -109,10 +112,12 @@ def marks(vehicle: RoadVehicle, model: Model, road: Road, designs: int) -> Marks
     filtered = road.weighting.poles if road.weighting is not None else np.empty(0)
     modes = np.concatenate([modes, np.broadcast_to(filtered, (designs, len(filtered)))], axis=1)
     lengths = road.contact_length, vehicle.track_width if road.tracks == "isotropic" else 0.0
-    corners = each([2.0 * np.pi * road.speed * road.cutoff, *(road.speed / np.maximum(x, 1.0 / NOWHERE) for x in lengths)])
+    corners = each(
+        [2.0 * np.pi * road.speed * road.cutoff, *(road.speed / np.maximum(x, 1.0 / NOWHERE) for x in lengths)]
+    )
     corners[corners == 0.0] = NOWHERE
     poles = np.concatenate([np.abs(modes), corners], axis=1)
-    off = [np.arctan2(np.abs(modes.real), np.abs(modes.imag)), np.full_like(corners, 0.5 * np.pi)]
+    off = [np.maximum(np.arctan2(np.abs(modes.real), np.abs(modes.imag)), CLOSEST), np.full_like(corners, 0.5 * np.pi)]
 
     taus = np.sort(each(delays(vehicle, road)), axis=1)
     apart = np.diff(taus, axis=1, append=0.0)
