@@ -125,7 +125,7 @@ def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike, cross: bool = Fa
     outputs = list(table.names[table.public])
     dims = ("output", "output_") if cross else ("output",)
     S = np.empty((space.size, *(len(outputs) for _ in dims), len(f)), dtype=complex if cross else float)
-    for part in blocks(space.size, int(TOGETHER // (len(table) * max(S.shape[1], len(vehicle.wheels)) * len(f)) + 1)):
+    for part in blocks(space.size, int(TOGETHER // (len(table) * len(outputs) * len(f)) + 1)):
         some = flat.select(part)
         wholes = _wholes(some, some.assemble(), road.select(part), f)
         S[part] = sum(map(_outer if cross else squared, wholes))

@@ -22,7 +22,7 @@ from ..vehicles.contract import Model, RoadVehicle
 from ..vehicles.parameters import DesignSpace, blocks
 from .excitation import check_stationary, infinite_outputs, processes
 from .frequency import effects, squared
-from .panels import ABOVE, BELOW, BETWEEN, Marks, Panels, marks
+from .panels import BELOW, BETWEEN, Marks, Panels, marks
 
 Array = NDArray[np.float64]
 
@@ -108,17 +108,19 @@ def _integral(
         density[below] += effect.velocity[below] * squared(effect.at(below).whole)
         density[further] += effect.velocity[further] * sum(map(squared, effect.at(further).each))
     integral, error = _summed(weights, scale * density), _left_out(scale * density, half, np.zeros(len(half)))
-    alone = _summed(weights, scale * found[0].velocity * squared(H).sum(axis=-2))
-    last = (where == BETWEEN) & (panels.end == marked.high[panels.design])
+    alone = _summed(weights, scale * found[0].velocity * sum(map(squared, np.moveaxis(H, -2, 0))))
+    between = np.flatnonzero(where[further] == BETWEEN)
+    these = further[between]
+    ends, last = (start[these, None], end[these, None]), (panels.end == marked.high[panels.design])[these]
     for effect in (effect.at(further) for effect in found if len(further) and len(effect.taus) > 1):
         for (first, one), (second, other) in combinations(zip(effect.taus, effect.each, strict=True), 2):
             tau = np.broadcast_to(second - first, (len(further), 1, 1))[:, 0]
-            turning = _turning(half[further, None], start[further, None], end[further, None], last[further], tau)
-            above = where[further] == ABOVE
-            turning[above] = np.where(tau[above] == 0.0, weights[further][above], 0.0)
+            # Above, only axles in one place interfere.
+            turning = np.where(tau == 0.0, weights[further], 0.0).astype(complex)
+            turning[between] = _turning(half[these, None], *ends, last, tau[between])
             cross = 2.0 * scale[further] * effect.velocity * one.conj() * other
             integral[further] += _summed(turning, cross).real
-            error[further] += np.where(above[:, None], 0.0, _left_out(cross, half[further], half[further] * tau[:, 0]))
+            error[these] += _left_out(cross[between], half[these], half[these] * tau[between, 0])
     return integral, error, alone
 
 

@@ -11,24 +11,20 @@ from numpy.typing import NDArray
 
 from .parameters import blocks
 
-# A pivot no smaller than this, relative to the largest of its column, stays: rows are swapped in few systems, or none,
-# and errors grow at most ten times as much a step as with the largest (I. S. Duff, A. M. Erisman and J. K. Reid,
-# *Direct Methods for Sparse Matrices*, 2017, section 5.2).
+# A pivot no smaller than this, relative to the largest of its column, stays, so that rows are swapped in few systems or
+# none: threshold pivoting, as in I. S. Duff, A. M. Erisman and J. K. Reid, *Direct Methods for Sparse Matrices*.
 LARGE_ENOUGH = 0.1
-
 
 # Systems at work at once: few enough to stay near the processor, enough for calls to cost little.
 TOGETHER = 1000
 
 
 def solved(equations: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Solutions (n, k, S) of S systems of n equations, (n, n + k, S): matrices, then k right-hand sides.
-
-    Overwrites them.
-    """
-    n = len(equations)
-    for part in blocks(equations.shape[-1], TOGETHER):
-        some = equations[..., part]
+    """Solutions (n, k, S) of S systems of n equations, (n, n + k, S): matrices, then k right-hand sides."""
+    n, columns, systems = equations.shape
+    solutions = np.empty((n, columns - n, systems), dtype=complex)
+    for part in blocks(systems, TOGETHER):
+        some = equations[..., part].copy()
         for i in range(n):
             first = i + _pivoted(some, i)
             row = some[i, i + 1 :]
@@ -38,7 +34,8 @@ def solved(equations: NDArray[np.complex128]) -> NDArray[np.complex128]:
         for i in range(n - 1, 0, -1):
             if some[:i, i].any():
                 x[:i] -= some[:i, i, None] * x[i]
-    return equations[:, n:]
+        solutions[..., part] = x
+    return solutions
 
 
 def _pivoted(equations: NDArray[np.complex128], i: int) -> int:

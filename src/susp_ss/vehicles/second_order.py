@@ -296,7 +296,8 @@ class SecondOrder:
         x = np.moveaxis(x, (1, 0, 2), (-4, -3, -2)).reshape(*designs, 2 * n, -1, w.shape[-1])
         Y = np.concatenate([self.on_position, self.on_velocity], axis=-1)
         H = real_times(Y, x)
-        H += self.on_road_velocity[..., None]
+        if self.on_road_velocity.any():
+            H += self.on_road_velocity[..., None]
         return H
 
     def in_states(self, X: Array) -> Array:
@@ -345,11 +346,13 @@ def beyond_rounding(total: NDArray, terms: NDArray) -> NDArray[np.bool_]:
 
 def coefficients(forms: Sequence, names: Sequence) -> NDArray:
     """Coefficients of each linear form (a mapping of names to factors) on each name, (designs..., forms, names)."""
-    factors = [np.asarray(x) for form in forms for x in form.values()]
-    shape = np.broadcast_shapes(*(x.shape for x in factors))
-    rows = np.zeros((*shape, len(forms), len(names)), dtype=np.result_type(float, *factors))
+    factors = [x for form in forms for x in form.values()]
+    shape = np.broadcast_shapes(*{np.shape(x) for x in factors if not isinstance(x, float)})
+    kind = np.result_type(float, *{getattr(x, "dtype", type(x)) for x in factors})
+    rows = np.zeros((*shape, len(forms), len(names)), dtype=kind)
+    columns = {name: j for j, name in enumerate(names)}
     for i, form in enumerate(forms):
         for name, factor in form.items():
-            if name in names:
-                rows[..., i, names.index(name)] = factor
+            if name in columns:
+                rows[..., i, columns[name]] = factor
     return rows
