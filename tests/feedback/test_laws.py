@@ -76,27 +76,95 @@ def test_the_estimator_written_out():
         assert float(again[name]) == pytest.approx(float(law.metrics[name]), rel=1e-7)
 
 
-@pytest.mark.parametrize("law", ["lqr", "hybrid", "bound"])
-def test_a_closed_loop_stands_wherever_a_vehicle_may(law):
-    car, road = ss.FullCar(), ss.DEFAULT_ROAD
-    if law == "lqr":
-        made = ss.lqr(car, road, {"bacc": 1.0, "sws": 1e3, "force": 1e-7})
-    elif law == "hybrid":
-        made = ss.hybrid(car, road, 1500.0, 300.0, lag=0.005)
-    else:
-        road = ss.Road(tracks="isotropic", delay=False)
-        made = ss.active_bound(car, ss.Road(tracks="independent", delay=False), "bacc@cg", {"sws": 0.006, "dtl": 450.0})
-    exact = ss.ride_metrics(made.closed, road)
-    spectral = ss.ride_metrics(made.closed, road, method="spectral")
-    np.testing.assert_allclose(spectral.bacc, exact.bacc, rtol=2e-3)
-    np.testing.assert_allclose(spectral.force, exact.force, rtol=2e-3)
-    response = ss.frequency_response(made.closed, np.array([0.5, 1.5, 10.0]))
+PLAIN = ss.Road(tracks="isotropic")
+COSTS = {"bacc": 1.0, "sws": 1e3, "force": 1e-7}
+
+
+def robust(car):
+    """H-infinity control of the body's acceleration above the wheels, from accelerometers there."""
+    system = car.state_space(input="velocity", actuators=True)
+    felt = [system.output_labels.index(f"bacc_{corner}") for corner in car.wheels]
+    # No force moves the warp of the road.
+    n, moved = len(felt), slice(system.nstates - car.layout().warps)
+    C, D = system.C[felt, moved], system.D[felt][:, n:]
+    road, push = 0.1 * system.B[moved, :n], system.B[moved, n:]
+    nothing, eye = np.zeros((n, n)), np.eye(n)
+    plant = ct.ss(
+        system.A[moved, moved],
+        np.hstack([road, 0.0 * road, push]),
+        np.vstack([C, 0.0 * C, C]),
+        np.block([[nothing, nothing, D], [nothing, nothing, 1e-3 * eye], [nothing, 0.05 * eye, D]]),
+        inputs=[*(f"w{i}" for i in range(2 * n)), *system.input_labels[n:]],
+        outputs=[*(f"z{i}" for i in range(2 * n)), *(f"bacc_{corner}" for corner in car.wheels)],
+    )
+    return ss.h_infinity(plant, [f"bacc_{corner}" for corner in car.wheels], system.input_labels[n:])
+
+
+LAWS = {
+    "lqr": lambda car: ss.lqr(car, PLAIN, COSTS),
+    "lqg": lambda car: ss.lqg(car, PLAIN, COSTS, {"bacc@cg": 0.01, "sws": 1e-3}),
+    "skyhook": lambda car: ss.skyhook(car, PLAIN, 1500.0),
+    "groundhook": lambda car: ss.groundhook(car, PLAIN, 400.0),
+    "hybrid": lambda car: ss.hybrid(car, PLAIN, 1500.0, 300.0, lag=0.005),
+    "bound": lambda car: ss.active_bound(
+        car, ss.Road(tracks="independent", delay=False), "bacc@cg", {"sws": 0.006, "dtl": 450.0, "force": 300.0}
+    ),
+    "h_infinity": lambda car: robust(car).on(car, PLAIN),
+}
+
+
+@pytest.mark.parametrize("kind", LAWS)
+@pytest.mark.parametrize("car", [ss.PitchHalfCar(), ss.FullCar()], ids=lambda car: type(car).__name__)
+def test_a_closed_loop_stands_wherever_a_vehicle_may(car, kind):
+    law = LAWS[kind](car)
+    loop = law.closed
+    assert isinstance(loop, ss.LinearVehicle)
+    exact, spectral = (ss.ride_metrics(loop, PLAIN, method=method) for method in ("covariance", "spectral"))
+    for name in ("bacc", "sws", "dtl", "force", "damper_power"):
+        np.testing.assert_allclose(spectral[name], exact[name], rtol=2e-3)
+
+    assert (loop.modes().damping_ratio > 0.0).all()
+    response = ss.frequency_response(loop, np.array([0.5, 1.5, 10.0]))
     assert np.isfinite(response).all()
+    assert ss.plots.bode({"loop": response.isel(input=0).sel(output=["bacc_cg"])}).axes
+
     time = np.linspace(0.0, 0.5, 251)
-    heights = xr.DataArray(0.01 * np.sin(20.0 * time), dims="time", coords={"time": time})
-    flat = dict.fromkeys(("fr", "fl", "rr", "rl"), heights.values)
-    history = ss.simulate(made.closed, flat, time)
-    assert np.isfinite(history.bacc).all()
+    flat = dict.fromkeys(car.wheels, 0.01 * np.sin(20.0 * time))
+    assert np.isfinite(ss.simulate(loop, flat, time).bacc).all()
+    ride = ss.comfort(loop, PLAIN)
+    weighted = ss.ride_metrics(loop, PLAIN, weighting="Wk")
+    np.testing.assert_allclose(ride.metrics.bacc, weighted.bacc, rtol=1e-9)
+
+
+def test_modes_of_a_loop_are_those_of_its_state_space():
+    """A skyhook on a quarter car, written out: eigenvalues, and eigenvectors in the vehicle's own states."""
+    law = ss.skyhook(CAR, ROAD, 1500.0)
+    system = CAR.state_space(input="velocity", actuators=True)
+    k = np.array([[-1500.0 if name == "dz_s" else 0.0 for name in system.state_labels]])
+    A = system.A + system.B[:, [1]] @ k
+    modes = law.closed.modes()
+    assert len(modes) == 2
+    for _, mode in modes.iterrows():
+        pole = 2.0 * np.pi * mode.frequency * complex(-mode.damping_ratio, np.sqrt(1.0 - mode.damping_ratio**2))
+        assert list(mode["shape"].index) == system.state_labels
+        np.testing.assert_allclose(A @ mode["shape"], pole * mode["shape"], atol=1e-9 * np.linalg.norm(A))
+
+
+def test_a_controller_is_closed_around_a_vehicle_by_names():
+    """Loops by python-control's interconnection, and signals that the vehicle does not have."""
+    car = ss.PitchHalfCar()
+    found = robust(car)
+    law = found.on(car, ROAD)
+    system = car.state_space(input="velocity", actuators=True)
+    loop = ct.interconnect([system, found.controller], inputs=["dz_r_f", "dz_r_r"], outputs=system.output_labels)
+    again = ss.ride_metrics(ss.LinearVehicle(loop, like=car), ROAD)
+    for name in again:
+        np.testing.assert_allclose(law.metrics[name], again[name], rtol=1e-7)
+    assert (law.metrics.bacc < law.passive.bacc).all()
+    with pytest.raises(ValueError, match="the controller measures 'bacc_f', none of the vehicle's outputs"):
+        found.on(ss.FullCar(), ROAD)
+    with pytest.raises(TypeError, match="vehicle must be one of"):
+        found.on(None, ROAD)
 
 
 def test_a_loop_far_faster_than_its_filter_is_parted():

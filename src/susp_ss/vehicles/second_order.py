@@ -17,13 +17,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..quantities import METRICS, Quantity, signal
 from .elimination import solved
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
 
@@ -43,6 +46,20 @@ def modes_of(eigenvalues: NDArray[np.complex128]) -> NDArray[np.int_]:
     creeping = np.abs(eigenvalues.imag) <= SPLIT * np.abs(eigenvalues)
     modes = np.flatnonzero(creeping | (eigenvalues.imag > 0.0))
     return modes[np.argsort(np.abs(eigenvalues[modes]), kind="stable")]
+
+
+def mode_table(poles: NDArray[np.complex128], shapes: NDArray, names: Sequence[str]) -> pd.DataFrame:
+    """Modes as `Vehicle.modes` returns them, of their poles (m,) and shapes (names, m)."""
+    import pandas as pd
+
+    shapes = shapes / shapes[np.argmax(np.abs(shapes), axis=0), range(len(poles))]
+    return pd.DataFrame(
+        {
+            "frequency": np.abs(poles) / (2.0 * np.pi),
+            "damping_ratio": -poles.real / np.abs(poles),
+            "shape": [pd.Series(shape, index=list(names)) for shape in shapes.T],
+        }
+    )
 
 
 class Row(NamedTuple):
