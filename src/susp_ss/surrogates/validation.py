@@ -74,7 +74,7 @@ class Validation:
         """Prediction minus expensive response (n,)."""
         return self.predicted - self.y
 
-    @property
+    @functools.cached_property
     def accuracy(self) -> Accuracy:
         """R2, RMSE and MAE, the maximum absolute error."""
         return accuracy(self.y, self.predicted)
@@ -191,8 +191,7 @@ class Comparison:
         errors = np.stack([self.validations[name].residuals for name in self.table.index])
         confidence = self.validations[self.best].confidence
         # Not BCa, which has no bounds where one surrogate is worse by the same at every run.
-        both = errors, np.broadcast_to(errors[0], errors.shape)
-        low, _ = bootstrap.bounds(bootstrap.excess, *both, confidence=confidence, method="percentile")
+        low, _ = bootstrap.bounds(np.mean, errors**2 - errors[0] ** 2, confidence=confidence, method="percentile")
         return tuple(self.table.index[low <= 0.0])
 
     def gain(self) -> Gain:
