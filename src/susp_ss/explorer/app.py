@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..extras import needing
 from .compute import compute
+from .downloads import offer
 from .server import guard
 from .state import NOTHING, Given
 
@@ -33,6 +34,7 @@ def application(given: Given = NOTHING) -> dash.Dash:
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False, enable_mcp=False)
     guard(app.server)
+    offer(app.server, given)
     app.layout = _layout(given)
 
     @app.callback(dash.Output("results", "data"), dash.Input("state", "data"))
