@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..extras import needing
+from .background import background
 from .compute import compute
 from .downloads import offer
 from .server import guard
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
 def application(given: Given = NOTHING) -> dash.Dash:
     """The page: what it holds is `layout`, what it shows is `compute`.
 
-    Its stores are ``state``, which the page's scripts write, and ``results``, which is `compute` of it.
+    Its stores are ``state``, which the page's scripts write, and ``results``, which is `compute` of it; ``conditions``,
+    a state that they write where more than springs and dampers moved, and ``background`` of that.
 
     Parameters
     ----------
@@ -41,6 +43,10 @@ def application(given: Given = NOTHING) -> dash.Dash:
     def answer(state: Any) -> Any:
         return compute(state, given)
 
+    @app.callback(dash.Output("background", "data"), dash.Input("conditions", "data"), prevent_initial_call=True)
+    def answer_slowly(conditions: Any) -> Any:
+        return background(conditions, given)
+
     return app
 
 
@@ -51,6 +57,8 @@ def _layout(given: Given) -> Any:
         [
             dcc.Store(id="state", data=given.default()),
             dcc.Store(id="results"),
+            dcc.Store(id="conditions"),
+            dcc.Store(id="background"),
             dcc.Store(id="table", data=given.document()),
         ]
     )
