@@ -24,11 +24,15 @@ def vehicle_of(state: Mapping[str, Any], given: Given = NOTHING) -> Any:
     20000.0
     """
     car: Any = given.models[state["model"]]
-    if state["vehicle"]:
-        car = car.replaced(**state["vehicle"])
+    own = given.default(state["model"])["vehicle"]
+    moved = {name: value for name, value in state["vehicle"].items() if value != own[name]}
+    if moved:
+        car = car.replaced(**moved)
     if state["curve"]:
-        rates = dict(zip(car.wheels, car.at_wheels("cs"), strict=True))
-        car = dataclasses.replace(car, cs=joined({wheel: damper(cs, **state["curve"]) for wheel, cs in rates.items()}))
+        rates = car.at_wheels("cs")
+        curves = {cs: damper(cs, **state["curve"]) for cs in rates}
+        at_wheels = dict(zip(car.wheels, map(curves.get, rates), strict=True))
+        car = dataclasses.replace(car, cs=curves[rates[0]] if len(curves) == 1 else joined(at_wheels))
     return seated(car, state["seat"]) if state["seat"] else car
 
 

@@ -19,9 +19,8 @@ from .rows import existing
 Array = NDArray[np.float64]
 
 
-def frequencies() -> Array:
-    """In Hz, from the slowest ride motion to beyond wheel hop."""
-    return np.geomspace(0.1, 50.0, 200)
+FREQUENCIES = (0.1, 50.0, 200)
+"""From the slowest ride motion to beyond wheel hop in Hz, and how many, evenly in the logarithm."""
 
 
 def bode(vehicle: RoadVehicle, outputs: Sequence[str], frequency: Array) -> list[dict[str, Any]]:
