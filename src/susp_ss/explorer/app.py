@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..extras import needing
 from .compute import compute
+from .layout import layout
 from .server import guard
 from .state import NOTHING, Given
 
@@ -33,22 +34,17 @@ def application(given: Given = NOTHING) -> dash.Dash:
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False, enable_mcp=False)
     guard(app.server)
-    app.layout = _layout(given)
+    app.layout = layout(given)
 
-    @app.callback(dash.Output("results", "data"), dash.Input("state", "data"))
+    def script(function: str, store: str) -> None:
+        app.clientside_callback(dash.ClientsideFunction("explorer", function), dash.Input(store, "data"))
+
+    script("start", "table")
+    script("answered", "results")
+    script("slow", "background")
+
+    @app.callback(dash.Output("results", "data"), dash.Input("state", "data"), prevent_initial_call=True)
     def answer(state: Any) -> Any:
         return compute(state, given)
 
     return app
-
-
-def _layout(given: Given) -> Any:
-    from dash import dcc, html
-
-    return html.Div(
-        [
-            dcc.Store(id="state", data=given.default()),
-            dcc.Store(id="results"),
-            dcc.Store(id="table", data=given.document()),
-        ]
-    )
