@@ -12,9 +12,9 @@ from .state import Given
 SHOWN = {"roughness": "cm^3", "bump_height": "mm"}
 
 COLUMNS = (
-    ("metrics", "comfort", "surrogates"),
+    ("metrics", "comfort", "surrogates", "speeds"),
     ("ride", "modes", "carpet"),
-    ("bode", "psd", "speeds"),
+    ("bode", "psd"),
 )
 """Panels beside and below one another, where there is room."""
 
@@ -94,6 +94,7 @@ def _panel(name: str, title: str, words: str) -> Any:
             html.H2(title, id=f"{name}-title"),
             html.Div(id=f"{name}-tools", className="tools"),
             html.P(words, className="quiet"),
+            html.Div(id=f"{name}-set", className="set"),
             html.Div(id=name, className="body"),
         ],
         id=f"panel-{name}",

@@ -145,8 +145,10 @@ explorer.Chart = class {
 
 // From values to pixels, with round ends that stay where they are while the values move a little.
 explorer.Scale = class {
-  constructor({ label, log = false, one = 1, span, decades = 4 }, values, pixels) {
-    Object.assign(this, { label, log, one, pixels });
+  constructor({ label, log = false, one = 1, span, decades = 4, every }, values, pixels) {
+    Object.assign(this, { label, log, one, pixels, every });
+    // A label needs more room beside than above another.
+    this.most = Math.max(2, Math.floor(Math.abs(pixels[1] - pixels[0]) / (pixels[1] > pixels[0] ? 55 : 21)));
     this.ends = span ? span.map((value) => value / one) : this.around(values, decades);
     this.ticks = log ? this.powers() : this.steps();
     const [low, high] = this.ends.map((end) => this.along(end));
@@ -187,19 +189,22 @@ explorer.Scale = class {
       return [Math.max(10 ** Math.floor(Math.log10(low)), top / 10 ** decades), top === low ? 10 * top : top];
     }
     if (low > 0 && low < 0.6 * high) low = 0;
-    const step = explorer.Scale.round((high - low || Math.abs(high) || 1) / 4);
+    const step = this.step(high - low || Math.abs(high) || 1);
     const ends = [step * Math.floor(low / step + 1e-9), step * Math.ceil(high / step - 1e-9)];
     return ends[0] === ends[1] ? [ends[0] - step, ends[1] + step] : ends;
   }
 
-  static round(rough) {
+  // The least round step that leaves room for labels.
+  step(range) {
+    const rough = range / this.most;
+    if (this.every) return this.every * Math.ceil(rough / this.every - 1e-9);
     const power = 10 ** Math.floor(Math.log10(rough));
     return power * [1, 2, 5, 10].find((digit) => power * digit >= rough * (1 - 1e-9));
   }
 
   steps() {
     const [low, high] = this.ends;
-    const step = explorer.Scale.round((high - low) / 5);
+    const step = this.step(high - low);
     const ticks = [];
     for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; i++) ticks.push(step * i);
     return ticks.map((value) => [value * this.one, explorer.numbers.stepped(value, step)]);
@@ -219,7 +224,7 @@ explorer.Scale = class {
   }
 
   static power(value) {
-    return value >= 0.001 && value < 1e5 ? String(Number(value.toPrecision(1))) : explorer.numbers.brief(value, 1);
+    return value >= 0.001 && value < 1e5 ? String(Number(value.toPrecision(1))) : explorer.numbers.brief(value, 1).replace("1·", "");
   }
 };
 

@@ -16,6 +16,9 @@ explorer.controls = (() => {
   const { html } = explorer;
   const OPEN = ["springs", "dampers", "anti-roll bars", "road"];
 
+  // What a picture shows stands beside it.
+  const PLACED = { bump: "ride-set", carpet: "carpet-set", frequency: "bode-set" };
+
   let model = null;
   let show = []; // For each row, a function that shows a state.
   let changed = () => {};
@@ -37,7 +40,10 @@ explorer.controls = (() => {
       groups.get(row.group).push(row);
     }
     const order = [...groups].sort(([a], [b]) => rank(a) - rank(b));
-    document.getElementById("sliders").replaceChildren(...order.map(([name, rows]) => group(name, rows)));
+    const made = order.map(([name, rows]) => [name, group(name, rows)]);
+    for (const panel of Object.values(PLACED)) document.getElementById(panel).replaceChildren();
+    document.getElementById("sliders").replaceChildren(...made.filter(([name]) => !PLACED[name]).map(([, part]) => part));
+    for (const [name, part] of made) if (PLACED[name]) document.getElementById(PLACED[name]).append(part);
   }
 
   const rank = (name) => (OPEN.includes(name) ? OPEN.indexOf(name) : OPEN.length);
@@ -48,11 +54,12 @@ explorer.controls = (() => {
       const some = rows.filter((row) => row.table === table).map(control);
       parts.push(...(explorer.state.optional({ table }) ? [optional(table, some)] : some));
     }
-    return html("details", { open: OPEN.includes(name) }, html("summary", {}, sentence(name)), ...parts);
+    if (PLACED[name] && name !== "frequency") return html("div", { role: "group", "aria-label": name }, ...parts);
+    return html("details", { open: OPEN.includes(name) }, html("summary", {}, name === "frequency" ? "Outputs" : sentence(name)), ...parts);
   }
 
   const sentence = (text) => text[0].toUpperCase() + text.slice(1);
-  const WORDS = { curve: "Damper curve in place of a constant rate", seat: "Driver on a seat" };
+  const WORDS = { curve: "Curve in place of the rate", seat: "Driver on a seat" };
 
   function optional(table, controls) {
     const box = html("input", { type: "checkbox", name: table });

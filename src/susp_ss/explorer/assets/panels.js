@@ -58,7 +58,7 @@ explorer.panels = (() => {
       lines: of("magnitude"),
       words: `${output(one.output)} per metre of road over frequency, largest at ${brief(peak)} Hz`,
     });
-    chart("bode", `${one.output}-phase`, "low").draw({ x, y: { label: "phase (°)" }, lines: of("phase"), words: `Phase of ${output(one.output)}` });
+    chart("bode", `${one.output}-phase`, "low").draw({ x, y: { label: "phase (°)", every: 90 }, lines: of("phase"), words: `Phase of ${output(one.output)}` });
   });
 
   const psd = frequencies("psd", "psd", (designs, one, same) => {
@@ -137,7 +137,7 @@ explorer.panels = (() => {
       const { words, picture } = host.cars[i];
       const before = reference?.results?.modes?.[i];
       const moved = before ? change(mode.frequency, before.frequency) : "";
-      words.replaceChildren(html("b", {}, mode.name ?? ""), html("span", {}, `${brief(mode.frequency)} Hz`), html("span", {}, `ζ ${mode.damping.toFixed(2)}`), html("span", { class: "quiet" }, moved));
+      words.replaceChildren(html("b", {}, mode.name ?? ""), html("span", {}, `${brief(mode.frequency)} Hz`), html("span", { class: "quiet" }, moved), html("span", {}, `ζ ${mode.damping.toFixed(2)}`));
       picture.setAttribute("aria-label", `Mode ${i + 1}, ${mode.name ?? ""} ${brief(mode.frequency)} Hz, damping ratio ${mode.damping.toFixed(2)}`);
     });
     const shapes = results.modes.map((mode) => shaped(mode.shape, places));
@@ -201,15 +201,16 @@ explorer.panels = (() => {
 
   // The road in the frame of the car whose first axle is at x, the bump beginning at zero; from behind, its height.
   function ground({ height, length }, [left, , width], car) {
+    const [begin, end] = [left - 5 * width, left + 5 * width]; // As far as a wide window shows.
     return (x, level) => {
-      if (car.behind) return `M${left},${-level}H${left + width}V0.3H${left}Z`;
+      if (car.behind) return `M${begin},${-level}H${end}V0.3H${begin}Z`;
       const from = car.front - x;
-      let path = `M${left},0`;
+      let path = `M${Math.min(begin, from)},0`;
       for (let i = 0; i <= 24; i++) {
         const z = (EXAGGERATED * height * (1 - Math.cos((2 * Math.PI * i) / 24))) / 2;
         path += `L${(from + (length * i) / 24).toFixed(3)},${(-z).toFixed(4)}`;
       }
-      return `${path}L${left + width},0V0.3H${left}Z`;
+      return `${path}H${Math.max(end, from + length)}V0.3H${begin}Z`;
     };
   }
 

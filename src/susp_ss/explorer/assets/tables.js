@@ -82,7 +82,7 @@ explorer.tables = (() => {
     const before = new Map((reference.results?.comfort ?? []).map(({ point, total }) => [point, total]));
     const rows = results.comfort.map(({ point, wz, wroll, wpitch, total, words }) => ({
       name: places[point] ?? (point || "body"),
-      values: [brief(wz), brief(wroll), brief(wpitch), brief(total), changed(total, before.get(point))],
+      values: [...[wz, wroll, wpitch, total].map((value) => value?.toFixed(3) ?? brief(value)), changed(total, before.get(point))],
       note: words,
     }));
     table("comfort", "Weighted comfort", columns, rows);
