@@ -1,27 +1,42 @@
-"""What the explorer shows of a state, while the slider moves: plain numbers in SI units."""
+"""What the explorer shows of a state while its sliders move: plain numbers in SI units."""
 
 from __future__ import annotations
 
 import dataclasses
-import math
-from collections.abc import Mapping
+from collections.abc import Callable
 from typing import Any
 
-import xarray as xr
+import numpy as np
 
-from ..metrics import ride_metrics
-from ..quantities import CORNERS, MIDDLE
-from ..roads.road import Road
-from ..vehicles.curves import DamperCurve
-from ..vehicles.parameters import Corners
-from ..vehicles.quarter import QuarterCar, QuarterCarWithSeat
-from ..vehicles.seats import Seat, field_of
+from ..metrics.comfort import AXES, in_words
+from ..metrics.ride import ride_metrics
+from ..metrics.weightings import filter_of
+from ..responses.covariance import linearised
+from ..responses.covariance.routes import covariance_variances
+from ..responses.excitation import spanned
+from .design import road_of, vehicle_of
+from .motion import bump, modes
+from .rows import at_places, named, number
+from .spectra import bode, frequencies, spectra
 from .state import NOTHING, Given, checked
+from .surrogates import predictions
 
-PLACES = CORNERS | MIDDLE | {"cg": "centre of gravity", "f": "front", "r": "rear", "l": "left", "front": "front"}
+SPEEDS = np.linspace(4.0, 60.0, 29)
+"""Over which metrics are shown, in m/s."""
+
+Found = dict[str, Any]
 
 
-def compute(state: Any, given: Given = NOTHING) -> dict[str, Any]:
+class Scene:
+    """A state as everything that is shown of it needs it."""
+
+    def __init__(self, state: dict[str, Any], given: Given):
+        self.state, self.given = state, given
+        self.vehicle, self.road = vehicle_of(state, given), road_of(state, given)
+        self.straight = linearised(self.vehicle, self.road) if self.vehicle.curved else self.vehicle
+
+
+def compute(state: Any, given: Given = NOTHING) -> Found:
     """Everything that the page shows at once.
 
     Parameters
@@ -34,7 +49,21 @@ def compute(state: Any, given: Given = NOTHING) -> dict[str, Any]:
     Returns
     -------
     dict
-        Plain JSON. An infinite value is None.
+        Plain JSON. An infinite value is None. What cannot be computed is left out, and ``errors`` says why.
+
+        ``metrics``, ``comfort``
+            Every metric at every place, and ISO 2631's total value wherever there is a vertical acceleration.
+        ``frequency``, ``bode``, ``psd``
+            Of the outputs that the state names: the response to the height of the road under the output's own wheel,
+            under the first wheel where it has none, and the spectrum on the road, as it is and weighted.
+        ``modes``, ``bump``
+            Natural motions, and a drive over a bump, of body, wheels and seats.
+        ``speeds``
+            Every metric over speed.
+        ``surrogates``
+            What each surrogate predicts, between its bounds, beside the exact value.
+        ``errors``
+            ``parameter``, its name in the URL or nothing, and ``message``.
 
     Examples
     --------
@@ -44,69 +73,82 @@ def compute(state: Any, given: Given = NOTHING) -> dict[str, Any]:
     [0.678]
     """
     right, errors = checked(state, given)
+    found: Found = {"errors": errors}
+
+    def say(error: Exception) -> None:
+        line = {"parameter": "", "message": str(error)}
+        if line not in errors:
+            errors.append(line)
+
     try:
-        car, road = vehicle_of(right, given), road_of(right, given)
-        return {"metrics": metrics_of(ride_metrics(car, road)), "errors": errors}
+        scene = Scene(right, given)
     except (ValueError, TypeError) as error:
-        return {"errors": [*errors, {"parameter": "", "message": str(error)}]}
+        say(error)
+        return found
+    for part in PARTS:
+        try:
+            found |= part(scene)
+        except (ValueError, TypeError) as error:
+            say(error)
+    return found
 
 
-def vehicle_of(state: Mapping[str, Any], given: Given = NOTHING) -> Any:
-    """The vehicle of a checked state."""
-    car: Any = given.models[state["model"]]
-    if state["vehicle"]:
-        car = car.replaced(**state["vehicle"])
-    if state["curve"]:
-        car = dataclasses.replace(car, cs=_dampers(car, **state["curve"]))
-    return seated(car, state["seat"]) if state["seat"] else car
+def over_speed(scene: Scene) -> Found:
+    """Metrics at the road's own speed, and over speed."""
+    road = dataclasses.replace(scene.road, speed=np.append(scene.road.speed, SPEEDS))
+    rows = at_places(ride_metrics(scene.vehicle, road))
+    return {
+        "metrics": [row.described() | {"value": number(row.values[0])} for row in rows],
+        "speeds": {
+            "speed": SPEEDS.tolist(),
+            "metrics": [row.described() | {"values": list(map(number, row.values[1:]))} for row in rows],
+        },
+    }
 
 
-def _dampers(car: Any, **curve: float) -> Any:
-    """The damper's curve at every wheel, about the rate there."""
-    curves = {wheel: damper(rate, **curve) for wheel, rate in zip(car.wheels, car.at_wheels("cs"), strict=True)}
-    if len(curves) == 1:
-        return next(iter(curves.values()))
-    return Corners(**curves) if len(curves) == 4 else tuple(curves.values())
+def comfort(scene: Scene) -> Found:
+    """Weighted accelerations and total values at all points."""
+    space, flat, road = spanned(scene.straight, scene.road)
+    layout = flat.layout()
+    weighted = {}
+    for weighting in dict.fromkeys(axis.weighting for axis in AXES.values()):
+        variances = covariance_variances(flat, space, road.weighted(filter_of(weighting, "")), 1)[0]
+        for name, axis in AXES.items():
+            if axis.weighting == weighting and name in layout.variables:
+                weighted[name] = np.sqrt(variances[layout.outputs.of(name)])
+    if "bacc" not in weighted:
+        return {"comfort": []}
+    total = np.sqrt(sum((AXES[name].k * value) ** 2 for name, value in weighted.items()))
+    places = layout.outputs.places("bacc")
+    words = {"wz": "bacc", "wroll": "roll_acc", "wpitch": "pitch_acc"}
+    values = {word: np.broadcast_to(weighted[name], total.shape) for word, name in words.items() if name in weighted}
+    return {
+        "comfort": [
+            {"point": place, "label": named(place)}
+            | {word: number(some[i]) for word, some in values.items()}
+            | {"total": number(total[i]), "words": in_words(total[i])}
+            for i, place in enumerate(places)
+        ]
+    }
 
 
-def damper(cs: float, rebound: float, compression: float, knee: float, beyond: float) -> DamperCurve:
-    """A curve of four straight parts: ``cs`` times a factor in rebound and compression, less or more beyond a knee."""
-    v = [-2.0 * knee, -knee, 0.0, knee, 2.0 * knee]
-    out, into = rebound * cs * knee, compression * cs * knee
-    return DamperCurve(v, [-(1.0 + beyond) * out, -out, 0.0, into, (1.0 + beyond) * into])
+def over_frequency(scene: Scene) -> Found:
+    """Frequency responses and spectra of the outputs that the state names."""
+    asked = scene.state["bode"]
+    f = frequencies()
+    return {
+        "frequency": f.tolist(),
+        "bode": bode(scene.straight, asked, f),
+        "psd": spectra(scene.straight, scene.road, asked, f),
+    }
 
 
-def seated(car: Any, seat: Mapping[str, float]) -> Any:
-    """The vehicle with a driver on a seat."""
-    if isinstance(car, QuarterCar):
-        return QuarterCarWithSeat(**vars(car), **{field_of(of, ""): value for of, value in seat.items()})
-    return car.with_seats({"driver": Seat(**seat)})
-
-
-def road_of(state: Mapping[str, Any], given: Given = NOTHING) -> Road:
-    """The road of a checked state."""
-    return dataclasses.replace(given.road, **state["road"])
-
-
-def metrics_of(found: xr.Dataset) -> list[dict[str, Any]]:
-    """Every metric at every place."""
-    rows = []
-    for name, data in found.data_vars.items():
-        meaning = data.attrs["long_name"].removeprefix("RMS ")
-        for place, value in zip(
-            data[data.dims[0]].values.tolist() if data.dims else [""], data.values.flat, strict=True
-        ):
-            rows.append(
-                {
-                    "name": f"{name}@{place}" if place else str(name),
-                    "label": f"{meaning}, {PLACES.get(place, place)}" if place else meaning,
-                    "unit": data.attrs["units"],
-                    "value": number(value),
-                }
-            )
-    return rows
-
-
-def number(value: Any) -> float | None:
-    """A number that JSON can hold."""
-    return float(value) if math.isfinite(value) else None
+PARTS: tuple[Callable[[Scene], Found], ...] = (
+    over_speed,
+    comfort,
+    over_frequency,
+    lambda scene: {"modes": modes(scene.straight, scene.road.speed)},
+    lambda scene: {"bump": bump(scene.vehicle, **scene.state["bump"])},
+    lambda scene: {"surrogates": predictions(scene.vehicle, scene.road, dict(scene.given.surrogates))},
+)
+"""What is shown, each by itself: where one is refused, the others stand."""
