@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..quantities import KNOWN, POSITIONS, Quantity, typeset, units_of
-from .compute import PLACES
+from .rows import PLACES
 from .state import Given
 
 # What people say in another unit than the engine; of all else, what `quantities` shows.
@@ -23,7 +23,7 @@ PANELS = {
     "ride": ("Over the bump", "The car drives over one bump; heights are three times as large, time runs slower."),
     "modes": ("Modes", "Each mode as the car moves in it, all at one pace and size."),
     "comfort": ("Comfort", "Weighted accelerations by ISO 2631-1 and what people say of their sum."),
-    "bode": ("Frequency response", "From the road under all wheels to the outputs."),
+    "bode": ("Frequency response", "Per metre of the road under the output's own wheel, or else under the first."),
     "psd": ("Spectrum", "Power spectral density on the road; filled, as weighted for comfort."),
     "speeds": ("Over speed", "Metrics at other speeds on the same road."),
     "carpet": ("Carpet", "Springs and dampers of all wheels scaled; the Pareto front; what a controller could do."),
@@ -32,8 +32,8 @@ PANELS = {
 """For each panel its title and what it shows."""
 
 DOWNLOADS = {
-    "csv": ("Numbers", "CSV file of the metrics"),
-    "toml": ("Vehicle", "TOML file of the vehicle, for --vehicle"),
+    "csv": ("CSV", "CSV file of the metrics"),
+    "toml": ("TOML", "TOML file of the vehicle, for --vehicle"),
     "fmu": ("FMU", "functional mock-up unit of the vehicle"),
     "py": ("Python", "lines that make the same again"),
 }

@@ -189,7 +189,8 @@ explorer.Scale = class {
       return [Math.max(10 ** Math.floor(Math.log10(low)), top / 10 ** decades), top === low ? 10 * top : top];
     }
     if (low > 0 && low < 0.6 * high) low = 0;
-    const step = this.step(high - low || Math.abs(high) || 1);
+    // Rounding is no range.
+    const step = this.step(Math.max(high - low, 1e-3 * Math.max(Math.abs(low), Math.abs(high))) || 1);
     const ends = [step * Math.floor(low / step + 1e-9), step * Math.ceil(high / step - 1e-9)];
     return ends[0] === ends[1] ? [ends[0] - step, ends[1] + step] : ends;
   }

@@ -48,7 +48,13 @@ explorer.words = (() => {
   function output(name) {
     const [metric, place] = split(name);
     const meaning = known().quantities[metric]?.meaning ?? metric;
-    return place ? `${meaning}, ${known().places[place] ?? place}` : meaning;
+    return place ? `${meaning}, ${placed(place)}` : meaning;
+  }
+
+  // One letter stands for two places: of a car with a left side, r is the right.
+  function placed(place) {
+    const sided = explorer.state.rows(explorer.words.model).some((row) => row.options?.includes("sws@l"));
+    return place === "r" && sided ? "right" : known().places[place] ?? place;
   }
 
   // As a picture's title has it, with the place as the engine writes it.
@@ -70,5 +76,5 @@ explorer.words = (() => {
     return known().quantities[split(name)[0]] ?? { unit: unit.replace("^2", "²").replace("^3", "³"), one: 1 };
   }
 
-  return { output, title, symbols, shown, metric };
+  return { model: null, output, placed, title, symbols, shown, metric };
 })();

@@ -66,8 +66,11 @@ explorer.page = (() => {
       now = { key, results: results.metrics ? results : now.results };
       complain(results.errors);
     }
-    draw();
-    ask();
+    try {
+      draw();
+    } finally {
+      ask();
+    }
   }
 
   function designs() {
@@ -120,6 +123,7 @@ explorer.page = (() => {
   }
 
   function shown() {
+    explorer.words.model = here.state.model;
     explorer.controls.update(here.state);
     element("models").firstChild.value = here.state.model;
     element("undo").disabled = !explorer.steps.back();
@@ -152,7 +156,7 @@ explorer.page = (() => {
           {},
           swatch,
           html("b", {}, name),
-          i ? button("Reference", `Compare with ${name}`, () => move(null, { pins: [pin, ...others] })) : html("span", { class: "quiet" }, "reference"),
+          i ? button("Ref", `Compare with ${name}`, () => move(null, { pins: [pin, ...others] })) : html("span", { class: "quiet", title: "Others are compared with it" }, "reference"),
           button("Take", `Go on from design ${name}`, () => move(null, { state: explorer.state.pinned(pin, here.state) })),
           button("\u00d7", `Unpin design ${name}`, () => move(null, { pins: others })),
         );
@@ -178,11 +182,9 @@ explorer.page = (() => {
 
   // Once nothing moves: what takes seconds, and the numbers for those who listen.
   function settle() {
-    const { vehicle, road, bump, bode, ...rest } = here.state;
-    const fixed = Object.fromEntries(Object.entries(vehicle).filter(([name]) => !/^[kc]s/.test(name)));
-    const conditions = keyOf({ ...rest, fixed, road });
-    if (conditions !== asked) {
-      asked = conditions;
+    const { bump, bode, ...frame } = explorer.state.unsprung(here.state);
+    if (keyOf(frame) !== asked) {
+      asked = keyOf(frame);
       background = null;
       send("conditions", here.state);
     }

@@ -100,15 +100,16 @@ explorer.panels = (() => {
     const axis = (name) => ({ label: `${title(name)} (${metric(name).unit})`, unit: metric(name).unit, one: metric(name).one });
     const value = (results, name) => results.metrics.find((each) => each.name === name)?.value ?? null;
     const points = designs.filter(({ results }) => results).map(({ name, style, results }) => ({ key: style, style: `point ${style}`, name, x: [value(results, x)], y: [value(results, y)] }));
-    const same = background && background.x === x && background.y === y ? background : null;
-    const path = (key, found) => (found ? [{ key, style: `line ${key}`, x: found.map((point) => point[0]), y: found.map((point) => point[1]) }] : []);
-    const mesh = (same?.carpet?.lines ?? []).flatMap((points, i) => path(`mesh-${i}`, points).map((line) => ({ ...line, style: "line mesh" })));
-    const front = [...path("bound", same?.bound?.points), ...path("front", same?.front?.points)];
-    body("panel-carpet").classList.toggle("waiting", !same);
+    const { carpet: grid, front, bound } = background ?? {};
+    const path = (key, found, style = key) => (found ? [{ key, style: `line ${style}`, x: found.map((point) => point[0]), y: found.map((point) => point[1]) }] : []);
+    const springs = grid?.designs ?? [];
+    const dampers = springs.length ? springs[0].map((_, j) => springs.map((row) => row[j])) : [];
+    const mesh = [...springs, ...dampers].flatMap((points, i) => path(`mesh-${i}`, points, i < springs.length ? "mesh" : "mesh dampers"));
+    body("carpet").setAttribute("aria-busy", !background);
     chart("carpet", "plane", "tall").draw({
       x: axis(x),
       y: axis(y),
-      lines: [...mesh, ...front],
+      lines: [...mesh, ...path("bound", bound?.points), ...path("front", front?.points)],
       points: points.reverse(),
       still: true,
       words: `${output(y)} over ${output(x)}: this design at ${brief(points.at(-1).x[0] / metric(x).one)} and ${brief(points.at(-1).y[0] / metric(y).one)}`,

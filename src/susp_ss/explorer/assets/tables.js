@@ -17,15 +17,15 @@ explorer.tables = (() => {
       const head = html("tr", {}, ...columns.map(({ text, style = "", title }) => html("th", { scope: "col", class: style, title }, text)));
       const filled = [];
       const groups = [];
-      let group;
+      let group = null;
       for (const row of rows) {
         if (row.group !== group) {
           group = row.group;
-          groups.push(html("tbody", {}, html("tr", { class: "group" }, html("th", { colspan: columns.length, scope: "rowgroup" }, group))));
+          if (!group) groups.push(html("tbody"));
+          else groups.push(html("tbody", {}, html("tr", { class: "group" }, html("th", { colspan: columns.length, scope: "rowgroup" }, group))));
         }
-        if (!groups.length) groups.push(html("tbody"));
         const own = columns.slice(1).map(({ style = "" }) => html("td", { class: style }));
-        groups.at(-1).append(html("tr", {}, html("th", { scope: "row" }, row.name), ...own));
+        groups.at(-1).append(html("tr", { class: row.alone && "alone" }, html("th", { scope: "row" }, row.name), ...own));
         if (row.note !== undefined) {
           own.push(html("td", { colspan: columns.length }));
           groups.at(-1).append(html("tr", { class: "note" }, own.at(-1)));
@@ -53,7 +53,6 @@ explorer.tables = (() => {
 
   function metrics(designs) {
     const [now, ...others] = designs;
-    const places = explorer.table.words.places;
     const columns = [
       { text: "" },
       { text: "now", style: "now" },
@@ -66,9 +65,9 @@ explorer.tables = (() => {
       const { one, unit: shown } = metric(name, unit);
       const text = (some) => brief(some === null || some === undefined ? null : some / one);
       const meaning = explorer.table.words.quantities[quantity]?.meaning ?? label;
+      const titled = `${meaning[0].toUpperCase()}${meaning.slice(1)} (${shown})`;
       return {
-        group: `${meaning[0].toUpperCase()}${meaning.slice(1)} (${shown})`,
-        name: place ? places[place] ?? place : "whole body",
+        ...(place ? { group: titled, name: explorer.words.placed(place) } : { alone: true, name: titled }),
         values: [text(value), changed(value, found[0].get(name)), ...found.map((some) => text(some.get(name)))],
       };
     });
@@ -77,11 +76,10 @@ explorer.tables = (() => {
 
   function comfort(designs) {
     const [{ results }, reference] = designs;
-    const places = explorer.table.words.places;
     const columns = ["m/s²", "vertical", "roll", "pitch", "total", `vs ${reference.name}`].map((text, i) => ({ text, style: { 4: "now", 5: "change" }[i] }));
     const before = new Map((reference.results?.comfort ?? []).map(({ point, total }) => [point, total]));
     const rows = results.comfort.map(({ point, wz, wroll, wpitch, total, words }) => ({
-      name: places[point] ?? (point || "body"),
+      name: point ? explorer.words.placed(point) : "body",
       values: [...[wz, wroll, wpitch, total].map((value) => value?.toFixed(3) ?? brief(value)), changed(total, before.get(point))],
       note: words,
     }));
