@@ -5,6 +5,7 @@ import re
 import threading
 from urllib.parse import parse_qs, urlsplit
 
+import matplotlib.image
 import numpy as np
 import pytest
 from werkzeug.serving import make_server
@@ -17,8 +18,20 @@ IDLE = "#panels[aria-busy=false]"
 ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
 
 
+def carpet(conditions, given):
+    """In place of the background, which takes seconds: three designs in a plane, and what bounds them."""
+    return {
+        "carpet": {"designs": [[[4e-3, 0.6], [5e-3, 0.5]]]},
+        "front": {"points": [[4e-3, 0.5], [6e-3, 0.4]]},
+        "bound": {"points": [[4e-3, 0.3], [6e-3, 0.2]]},
+        "errors": [],
+    }
+
+
 @pytest.fixture(scope="module")
 def address():
+    patch = pytest.MonkeyPatch()
+    patch.setattr("susp_ss.explorer.app.background", carpet)
     server = make_server("127.0.0.1", 0, application().server, threaded=True)
     thread = threading.Thread(target=server.serve_forever)
     thread.start()
@@ -26,6 +39,7 @@ def address():
     server.shutdown()
     thread.join()
     server.server_close()
+    patch.undo()
 
 
 @contextlib.contextmanager
@@ -67,7 +81,7 @@ def press(tab, name, key, times=1):
 
 
 def row(tab, metric, place=""):
-    """A metric's cells as numbers: now, change in percent, each pinned design."""
+    """A metric's cells as numbers: now, change in percent, each pinned design; None where a design has none."""
     cells = tab.evaluate(
         """([metric, place]) => {
             const own = [...document.querySelectorAll("#metrics tr")];
@@ -77,7 +91,8 @@ def row(tab, metric, place=""):
         }""",
         [metric, place],
     )
-    return [float(cell.replace("\u2212", "-").removesuffix("%")) for cell in cells]
+    said = (cell.replace("\u2212", "-").removesuffix("%") for cell in cells)
+    return [float(word) if any(map(str.isdigit, word)) else None for word in said]
 
 
 def query(tab):
@@ -284,7 +299,9 @@ def test_pictures_are_downloaded(tab):
         with tab.expect_download() as waiting:
             tab.locator(f"#{name}-tools").get_by_text("PNG").click()
         assert waiting.value.suggested_filename == f"{name}.png"
-        assert waiting.value.path().read_bytes().startswith(b"\x89PNG")
+        height, width, _ = matplotlib.image.imread(waiting.value.path()).shape
+        box = tab.locator(f"#panel-{name}").bounding_box()
+        assert (width, height) == pytest.approx((2 * box["width"], 2 * box["height"]), abs=1.0)
 
 
 MOVES = """async ([count, between]) => {

@@ -45,7 +45,7 @@ def application(given: Given = NOTHING) -> dash.Dash:
 
     script("start", "table")
     script("answered", "results")
-    script("slow", "background")
+    script("answeredSlowly", "background")
 
     @app.callback(dash.Output("results", "data"), dash.Input("state", "data"), prevent_initial_call=True)
     def answer(state: Any) -> Any:

@@ -26,7 +26,7 @@ PANELS = {
     "bode": ("Frequency response", "Per metre of the road under the output's own wheel, or else under the first."),
     "psd": ("Spectrum", "Power spectral density on the road; filled, as weighted for comfort."),
     "speeds": ("Over speed", "Metrics at other speeds on the same road."),
-    "carpet": ("Carpet", "Springs and dampers of all wheels scaled; the Pareto front; what a controller could do."),
+    "carpet": ("Carpet", "Grey: all springs by all dampers, halved to doubled. Black: the Pareto front. Dotted: the least of any controller."),
     "surrogates": ("Surrogates", "What each fitted surrogate predicts, its interval, and the exact value."),
 }
 """For each panel its title and what it shows."""

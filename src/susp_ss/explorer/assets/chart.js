@@ -228,28 +228,3 @@ explorer.Scale = class {
     return value >= 0.001 && value < 1e5 ? String(Number(value.toPrecision(1))) : explorer.numbers.brief(value, 1).replace("1·", "");
   }
 };
-
-// A picture as a PNG, its styles with it.
-explorer.png = async (picture, name) => {
-  const { width, height } = picture.getBoundingClientRect();
-  const copy = picture.cloneNode(true);
-  const [from, into] = [picture, copy].map((root) => [root, ...root.querySelectorAll("*")]);
-  const kept = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "opacity", "font", "visibility"];
-  from.forEach((element, i) => {
-    const style = getComputedStyle(element);
-    for (const property of kept) into[i].style.setProperty(property, style.getPropertyValue(property));
-  });
-  copy.setAttribute("width", 2 * width);
-  copy.setAttribute("height", 2 * height);
-  const image = new Image();
-  image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
-  await image.decode();
-  const canvas = Object.assign(document.createElement("canvas"), { width: 2 * width, height: 2 * height });
-  const pen = canvas.getContext("2d");
-  pen.fillStyle = getComputedStyle(document.body).backgroundColor;
-  pen.fillRect(0, 0, canvas.width, canvas.height);
-  pen.drawImage(image, 0, 0);
-  explorer.save(canvas.toDataURL("image/png"), `${name}.png`);
-};
-
-explorer.save = (href, download) => Object.assign(document.createElement("a"), { href, download }).click();

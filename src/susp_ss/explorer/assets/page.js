@@ -13,8 +13,8 @@ explorer.page = (() => {
   let wrong = new Map(); // Messages by parameter.
   let flight = null; // The question that is not answered yet: {key, ours}.
   let now = { key: null, results: null };
-  let background = null;
-  let asked = null; // Conditions of the background that is here or on its way.
+  let background = { key: null, found: null }; // Of the carpet, which takes seconds.
+  let slowFlight = null; // The conditions of the background on its way.
   let quiet = null;
   const answers = new Map(); // Results of pinned designs by the states' keys.
   const waiting = new Set(); // Panels out of view whose picture is old.
@@ -100,7 +100,7 @@ explorer.page = (() => {
     const found = now.results[NEEDS[name] ?? name];
     const nothing = !found || found.length === 0 || Object.keys(found.wheels ?? { any: 0 }).length === 0;
     element(name).hidden = nothing;
-    if (!nothing) (explorer.tables[name] ?? explorer.panels[name])(all, here.state, background);
+    if (!nothing) (explorer.tables[name] ?? explorer.panels[name])(all, here.state, background.found);
     if (name === "surrogates") element("panel-surrogates").hidden = nothing;
   }
 
@@ -182,12 +182,7 @@ explorer.page = (() => {
 
   // Once nothing moves: what takes seconds, and the numbers for those who listen.
   function settle() {
-    const { bump, bode, ...frame } = explorer.state.unsprung(here.state);
-    if (keyOf(frame) !== asked) {
-      asked = keyOf(frame);
-      background = null;
-      send("conditions", here.state);
-    }
+    askSlowly();
     const first = now.results?.metrics?.slice(0, 1) ?? [];
     const [reference] = references();
     element("said").textContent = first
@@ -234,6 +229,9 @@ explorer.page = (() => {
     on("undo", () => explorer.steps.go(-1));
     on("redo", () => explorer.steps.go(1));
     on("pin", () => move(null, { pins: [...here.pins, explorer.state.design(here.state)] }));
+    for (const button of document.querySelectorAll("#downloads button")) {
+      button.addEventListener("click", () => download(button.id.replace("download-", "")));
+    }
     document.addEventListener("keydown", (event) => {
       if (!(event.ctrlKey || event.metaKey) || event.altKey || event.target.type === "text") return;
       const key = event.key.toLowerCase();
@@ -246,9 +244,20 @@ explorer.page = (() => {
     for (const name of ["ride", "modes", "bode", "psd", "speeds", "carpet"]) {
       const title = element(`${name}-title`).textContent;
       const png = html("button", { type: "button", "aria-label": `Download ${title} as PNG` }, "PNG");
-      png.addEventListener("click", () => explorer.png(element(name), name));
+      png.addEventListener("click", () => explorer.png(element(`panel-${name}`), name));
       element(`${name}-tools`).append(png);
     }
+  }
+
+  // What the server makes of this design, without the pins; it says where it cannot.
+  async function download(kind) {
+    const answer = await fetch(`download/${kind}?${explorer.state.write({ ...here, pins: [] })}`);
+    if (!answer.ok) return refuse("download", await answer.text());
+    refuse("download", "");
+    const name = answer.headers.get("Content-Disposition").match(/filename="(.*)"/)[1];
+    const address = URL.createObjectURL(await answer.blob());
+    explorer.save(address, name);
+    URL.revokeObjectURL(address);
   }
 
   function player() {
@@ -262,18 +271,31 @@ explorer.page = (() => {
     return button;
   }
 
-  function slow(found) {
-    background = found;
+  // One at a time here as well, and again where its conditions have moved on meanwhile.
+  function askSlowly() {
+    const { bump, bode, ...frame } = explorer.state.unsprung(here.state);
+    const key = keyOf(frame);
+    if (slowFlight !== null || key === background.key) return;
+    slowFlight = key;
+    background = { key: null, found: null };
     draw(["carpet"]);
+    send("conditions", here.state);
   }
 
-  return { start, answered, slow, refuse, query: () => explorer.state.write(here) };
+  function answeredSlowly(found) {
+    background = { key: slowFlight, found };
+    slowFlight = null;
+    draw(["carpet"]);
+    askSlowly();
+  }
+
+  return { start, answered, answeredSlowly, refuse, query: () => explorer.state.write(here) };
 })();
 
 window.dash_clientside = Object.assign(window.dash_clientside || {}, {
   explorer: {
     start: (table) => explorer.page.start(table),
     answered: (results) => explorer.page.answered(results),
-    slow: (background) => explorer.page.slow(background),
+    answeredSlowly: (background) => background && explorer.page.answeredSlowly(background),
   },
 });
