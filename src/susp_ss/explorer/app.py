@@ -8,6 +8,7 @@ from ..extras import needing
 from .background import background
 from .compute import compute
 from .downloads import offer
+from .layout import layout
 from .server import guard
 from .state import NOTHING, Given
 
@@ -37,9 +38,16 @@ def application(given: Given = NOTHING) -> dash.Dash:
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False, enable_mcp=False)
     guard(app.server)
     offer(app.server, given)
-    app.layout = _layout(given)
+    app.layout = layout(given)
 
-    @app.callback(dash.Output("results", "data"), dash.Input("state", "data"))
+    def script(function: str, store: str) -> None:
+        app.clientside_callback(dash.ClientsideFunction("explorer", function), dash.Input(store, "data"))
+
+    script("start", "table")
+    script("answered", "results")
+    script("answeredSlowly", "background")
+
+    @app.callback(dash.Output("results", "data"), dash.Input("state", "data"), prevent_initial_call=True)
     def answer(state: Any) -> Any:
         return compute(state, given)
 
@@ -48,17 +56,3 @@ def application(given: Given = NOTHING) -> dash.Dash:
         return background(conditions, given)
 
     return app
-
-
-def _layout(given: Given) -> Any:
-    from dash import dcc, html
-
-    return html.Div(
-        [
-            dcc.Store(id="state", data=given.default()),
-            dcc.Store(id="results"),
-            dcc.Store(id="conditions"),
-            dcc.Store(id="background"),
-            dcc.Store(id="table", data=given.document()),
-        ]
-    )
