@@ -32,7 +32,7 @@ def bode(vehicle: RoadVehicle, outputs: Sequence[str], frequency: Array) -> list
     names, inputs = response.output.values.tolist(), response.input.values.tolist()
     curves = []
     for output in outputs:
-        name = _output(output, names)
+        name = output_named(output, names)
         own = signal("z_r", output.partition("@")[2])
         given = own if own in inputs else inputs[0]
         H = response.values[names.index(name), inputs.index(given)]
@@ -54,7 +54,7 @@ def spectra(vehicle: RoadVehicle, road: Road, outputs: Sequence[str], frequency:
     names = spectrum.output.values.tolist()
     curves = []
     for output in outputs:
-        name = _output(output, names)
+        name = output_named(output, names)
         S, axis = spectrum.values[names.index(name)], AXES.get(metric_and_place(name)[0])
         felt = None if axis is None else S * filter_of(axis.weighting, "").power(2.0 * np.pi * frequency)
         curves.append(
@@ -69,7 +69,7 @@ def spectra(vehicle: RoadVehicle, road: Road, outputs: Sequence[str], frequency:
     return curves
 
 
-def _output(name: str, names: Sequence[str]) -> str:
+def output_named(name: str, names: Sequence[str]) -> str:
     """The output of this name; where a seat has made one place several, the first of them."""
     own = name.replace("@", "_")
     return own if own in names else next(other for other in names if other.startswith(f"{own}_"))

@@ -6,6 +6,7 @@ entry then holds is the name of the line that computes it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from numbers import Real
 from typing import Any
 
@@ -22,19 +23,44 @@ class Lines:
         """A number that JavaScript already has under this expression."""
         return Symbol(self, code)
 
-    def computed(self, code: str) -> Symbol:
+    def computed(self, code: str, *of: Any) -> Symbol:
         """A number that this expression makes of others."""
-        return self.known.setdefault(code, Symbol(self, f"t{len(self.known)}"))
+        if code not in self.known:
+            self.known[code] = Symbol(self, f"t{len(self.known)}", tuple(x for x in of if isinstance(x, Symbol)))
+        return self.known[code]
 
-    def __str__(self) -> str:
-        return "\n".join(f"const {symbol.code} = {code};" for code, symbol in self.known.items())
+    def function(self, results: Mapping[str, Any]) -> str:
+        """A function of ``p`` that returns an object of results, in the lines that these need.
+
+        Examples
+        --------
+        >>> from susp_ss.explorer.symbols import Lines
+        >>> lines = Lines()
+        >>> mass, stiffness = lines.given("p.m"), lines.given("p.k")
+        >>> unused = mass + stiffness
+        >>> print(lines.function({"square": [0.0, stiffness / mass]}))
+        (p) => {
+        const t1 = p.k / p.m;
+        return { square: [0.0, t1] };
+        }
+        """
+        needed: set[Symbol] = set()
+        left = [x for value in results.values() for x in np.ravel(np.array(value, dtype=object)).tolist()]
+        while left:
+            symbol = left.pop()
+            if isinstance(symbol, Symbol) and symbol not in needed:
+                needed.add(symbol)
+                left.extend(symbol.of)
+        lines = [f"const {symbol.code} = {code};" for code, symbol in self.known.items() if symbol in needed]
+        made = ", ".join(f"{name}: {written(value)}" for name, value in results.items())
+        return "\n".join(["(p) => {", *lines, f"return {{ {made} }};", "}"])
 
 
 class Symbol:
     """A number of which nothing is known but that it is positive, and how it is written in JavaScript."""
 
-    def __init__(self, lines: Lines, code: str):
-        self.lines, self.code = lines, code
+    def __init__(self, lines: Lines, code: str, of: tuple[Symbol, ...] = ()):
+        self.lines, self.code, self.of = lines, code, of
 
     def _with(self, operator: str, other: Any, swapped: bool = False) -> Any:
         if not isinstance(other, (Symbol, Real)):
@@ -45,11 +71,9 @@ class Symbol:
             return one
         if operator == "+" and isinstance(one, Real) and one == 0:
             return two
-        if operator == "*" and isinstance(other, Real) and other in (0, 1):
-            return self if other else 0.0
-        if operator == "*" and isinstance(other, Real) and other == -1:
-            return -self
-        return self.lines.computed(f"{written(one)} {operator} {written(two)}")
+        if operator == "*" and isinstance(other, Real) and other in (-1, 0, 1):
+            return {-1: -self, 0: 0.0, 1: self}[int(other)]
+        return self.lines.computed(f"{written(one)} {operator} {written(two)}", one, two)
 
     def __add__(self, other: Any) -> Any:
         return self._with("+", other)
@@ -75,7 +99,7 @@ class Symbol:
         return self._with("/", other, swapped=True)
 
     def __neg__(self) -> Symbol:
-        return self.lines.computed(f"-{self.code}")
+        return self.lines.computed(f"-{self.code}", self)
 
     def __abs__(self) -> Symbol:
         return self
@@ -88,7 +112,14 @@ class Symbol:
 
 
 def written(value: Any) -> str:
-    """A number, or an array of them, as JavaScript reads it, with all its digits."""
+    """A number, or an array of them, as JavaScript reads it, with all its digits.
+
+    Examples
+    --------
+    >>> from susp_ss.explorer.symbols import written
+    >>> written([[0.1, -2]])
+    '[[0.1, (-2.0)]]'
+    """
     if isinstance(value, Symbol):
         return value.code
     if np.ndim(value):

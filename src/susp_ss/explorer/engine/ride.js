@@ -35,13 +35,17 @@ function atPole({ level, terms }, at) {
 
 // The velocity of a road under one process, of terms that stand for unit roughness, speed and track width.
 function spectrumOf(process, road, trackWidth) {
-  const { level, terms } = SURFACES[process.surface][road.waviness], unit = process.sign ? trackWidth : 1;
-  const scale = road.roughness * road.speed * unit ** (road.waviness - 2), rate = road.speed / unit;
+  const { level, terms } = SURFACES[process.sign][road.waviness], unit = process.sign ? trackWidth : 1;
+  const scale = (process.sign ? 1 : process.share) * road.roughness * road.speed * unit ** (road.waviness - 2);
+  const rate = road.speed / unit;
   const term = (alpha, low, high) => ({ alpha: complex(alpha), low: complex(low), high: complex(high) });
   const surface = { level: scale * level, terms: terms.map(([alpha, low, high]) => term(alpha * rate, scale * low, scale * high)) };
   if (!road.cutoff) return surface;
   return multiplied(surface, { level: 0, terms: [term(2 * Math.PI * road.cutoff * road.speed, 0, 1)] });
 }
+
+// Of the square of its terms, a variance of rounding.
+const NOTHING = 1e-12;
 
 // A car of numbers, ready for any road: a kind of `MODELS`, with parameters at every wheel.
 class Car {
@@ -73,15 +77,17 @@ class Car {
       const entries = process.weights.map((weights) => times(this.entering, weights));
       const one = stirred(this.dynamics, entries, this.wheelbase / road.speed, spectrum, process.rates);
       Q.forEach((row, i) => add(row, one.Q[i], 1));
-      add(cross, one.cross, 1);
+      if (one.cross) add(cross, one.cross, 1);
       warped += one.own;
     }
     const X = this.dynamics.lyapunov(Q);
     return this.seen.map((row, i) => {
       // A damper that passes the road's white velocity straight on.
       if (!filter && this.on_road_velocity[i].some((one) => one !== 0)) return Infinity;
-      const warp = this.on_warp[i];
-      return dot(row, times(X, row)) + 2 * warp * dot(row, cross) + warp * warp * warped;
+      const warp = this.on_warp[i], total = dot(row, times(X, row)) + 2 * warp * dot(row, cross) + warp * warp * warped;
+      // What cancels by symmetry leaves rounding.
+      const terms = row.reduce((size, one, k) => size + Math.abs(one) * Math.sqrt(Math.max(X[k][k], 0)), 0);
+      return total > NOTHING * terms * terms ? total : 0;
     });
   }
 
@@ -93,3 +99,10 @@ class Car {
     );
   }
 }
+
+// Weightings behind an output may as well stand on the road: their squares as spectra.
+const FILTERS = Object.fromEntries(Object.entries(WEIGHTINGS).map(([name, { level, terms, power }]) => [name, {
+  level,
+  terms: terms.map(([re, im, low, its]) => ({ alpha: complex(re, im), low: complex(low, its), high: complex(0) })),
+  power,
+}]));
