@@ -43,7 +43,7 @@ SOURCES = ("algebra.js", "complex.js", "covariance.js", "ride.js", "motion.js", 
 
 # What JavaScript asks of an assembled car.
 MATRICES = (
-    *("m", "K", "C", "K_in", "C_in", "R", "N", "elongation", "on_position", "on_velocity", "on_road_velocity"),
+    *("m", "K", "C", "K_in", "C_in", "R", "N", "elongation", "rate", "acceleration", "on_road_velocity"),
     *("integrators", "damping"),
 )
 
@@ -231,5 +231,5 @@ def engine() -> str:
     sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
     return (
         f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
-        "(globalThis.dash_clientside ??= {}).engine = { compute, parts: { carOf, overSpeed, comfort, overFrequency, modes, bump } };\n})();\n"
+        "(globalThis.dash_clientside ??= {}).engine = { compute };\n})();\n"
     )

@@ -1,28 +1,46 @@
 // A car's motion by its modes, and its exact covariance on a road: for one design, the algebra of
-// susp_ss.responses.covariance.modal, first_order and lyapunov.
+// susp_ss.responses.covariance.modal and first_order.
 
-// p' = v + ..., v' = -K p - C v + ..., K and C symmetric; vectors hold the positions before the velocities. Of A, the
-// matrix of both, `rates` are the eigenvalues, the columns of V the eigenvectors, and W is the inverse of V.
+// Of the size of its terms, what a sum that cancels leaves.
+const ROUNDING = 1e-13;
+
+// p' = v + ..., v' = -K p - C v + ..., K and C symmetric; vectors hold the positions before the velocities. Modes are
+// those that creep and one of each pair that swings, with their eigenvalues `rates` and `shapes` of the positions; `W`
+// takes vectors to their amplitudes. Real vectors are made of them and, for the `swinging`, of their conjugates.
 class Dynamics {
   constructor(K, C) {
     const n = K.length, unit = Math.sqrt(sum(K.map((row, i) => row[i])) / n);
-    Object.assign(this, { n, unit, K: divided(K, unit ** 2), C: divided(C, unit) });
+    Object.assign(this, { n, K: divided(K, unit ** 2), C: divided(C, unit) });
     const A = zeros(2 * n, 2 * n);
     for (let i = 0; i < n; i++) {
       A[i][n + i] = 1;
       A[n + i].set(this.K[i].map((k) => -k));
       A[n + i].set(this.C[i].map((c) => -c), n);
     }
-    const modes = eigenvalues(A).map((rate, at) => this.polished(rate, at));
-    this.rates = modes.map(({ rate }) => scaled(rate, unit));
-    this.V = zeros(2 * n, 0).map((_, i) =>
-      modes.map(({ rate, shape }) => (i < n ? shape[i] : scaled(product(rate, shape[i - n]), unit))),
-    );
-    // Of conjugate modes the first counts twice, of real vectors under real forcing.
     const creeping = (rate) => Math.abs(rate.im) <= SPLIT * modulus(rate);
-    this.counted = this.rates.map((rate) => (creeping(rate) ? 1 : rate.im > 0 ? 2 : 0));
-    const identity = this.V.map((row, i) => row.map((_, j) => complex(i === j ? 1 : 0)));
-    this.W = solve(this.V.map((row) => [...row]), identity);
+    const found = eigenvalues(A).filter((rate) => creeping(rate) || rate.im > 0);
+    const modes = found.map((rate, at) => this.polished(rate, at));
+    this.rates = modes.map(({ rate }) => scaled(rate, unit));
+    this.shapes = modes.map(({ shape }) => shape);
+    this.swinging = modes.flatMap(({ rate }, k) => (creeping(rate) ? [] : [k]));
+    this.counted = modes.map(({ rate }) => (creeping(rate) ? 1 : 2));
+    const all = this.whole(this.rates), V = A.map((_, i) => this.whole(this.shapes.map((shape) => shape[i % n]))
+      .map((one, k) => (i < n ? one : product(all[k], one))));
+    this.W = solve(V, V.map((row, i) => row.map((_, j) => complex(i === j ? 1 : 0)))).slice(0, modes.length);
+  }
+
+  // What is known of each mode, and of the conjugates.
+  whole(x) {
+    return [...x, ...this.swinging.map((k) => conjugate(x[k]))];
+  }
+
+  // The real number that amplitudes of the modes, seen so, come to.
+  real(seen, amplitudes) {
+    let total = 0;
+    for (let k = 0; k < seen.length; k++) {
+      total += this.counted[k] * (seen[k].re * amplitudes[k].re - seen[k].im * amplitudes[k].im);
+    }
+    return total;
   }
 
   // An eigenvalue and its vector by steps of Newton's: the rate is moved aside by a little, lest it be exact, and put
@@ -42,107 +60,42 @@ class Dynamics {
       shape = x.map((one) => scaled(one, 1 / size));
     }
     const m = form(shape, shape), c = form(shape, applied(C, shape)), k = form(shape, applied(K, shape));
+    const most = ROUNDING * Math.max(...shape.map(modulus));
+    shape = shape.map((one) => (modulus(one) > most ? one : complex(0)));
     const off = plus(product(plus(product(m, rate), c), rate), k);
     return { rate: minus(rate, quotient(off, plus(scaled(product(m, rate), 2), c))), shape };
   }
 
-  // A real vector as amplitudes of the modes.
+  // Amplitudes of the modes in a real vector; where they cancel by symmetry, none.
   amplitudes(x) {
-    return this.W.map((row) => row.reduce((total, one, i) => plus(total, scaled(one, x[i])), complex(0)));
-  }
-
-  // And back, the real part; all modes count once, or as said, and those that count nothing may be missing.
-  vector(modes, counted = null) {
-    const out = new Float64Array(2 * this.n);
-    modes.forEach(({ re, im }, k) => {
-      const times = counted ? counted[k] : 1;
-      for (let i = 0; i < out.length; i++) out[i] += times * (this.V[i][k].re * re - this.V[i][k].im * im);
+    return this.W.map((row) => {
+      const terms = row.map((one, i) => scaled(one, x[i])), total = terms.reduce(plus);
+      return modulus(total) > ROUNDING * sum(terms.map(modulus)) ? total : complex(0);
     });
-    return out;
-  }
-
-  // The n^2 equations of `lyapunov` in Y = P + W, P symmetric and W skew.
-  get equations() {
-    if (this.inverse) return this.inverse;
-    const { n, K, C } = this, equations = zeros(n * n, n * n), V = zeros(n, n), T = zeros(n, n);
-    for (let i = 0; i < n; i++) {
-      for (let j = 0; j < n; j++) {
-        // Where Y is one in row i, column j alone: V = P K + W C, of which half is to be zero, and T = K W + C V.
-        for (const M of [V, T]) M.forEach((row) => row.fill(0));
-        for (let k = 0; k < n; k++) {
-          V[i][k] += 0.5 * (K[j][k] + C[j][k]);
-          V[j][k] += 0.5 * (K[i][k] - C[i][k]);
-        }
-        for (let k = 0; k < n; k++) {
-          T[k][j] += 0.5 * K[k][i];
-          T[k][i] -= 0.5 * K[k][j];
-          add(T[k], V[i], C[k][i]);
-          if (i !== j) add(T[k], V[j], C[k][j]);
-        }
-        for (let k = 0; k < n; k++) {
-          for (let l = 0; l < n; l++) equations[k * n + l][i * n + j] = V[k][l] - V[l][k] + T[k][l] + T[l][k];
-        }
-      }
-    }
-    return (this.inverse = inverted(equations));
-  }
-
-  // Solve A X + X A^T + Q = 0: X = [[P, S], [S^T, V]] with S = W - Q_pp / 2 and V = P K + S C - Q_pv.
-  lyapunov(Q) {
-    const { n, unit, K, C } = this, X = zeros(2 * n, 2 * n), right = new Float64Array(n * n);
-    const part = (i, j, scale) => divided(Q.slice(i, i + n).map((row) => row.subarray(j, j + n)), scale);
-    const Qpp = part(0, 0, unit), Qpv = part(0, n, unit ** 2), Qvv = part(n, n, unit ** 3);
-    const V0 = multiply(Qpp, C).map((row, i) => row.map((one, j) => -0.5 * one - Qpv[i][j]));
-    const CV = multiply(C, V0), KQ = multiply(K, Qpp);
-    for (let i = 0; i < n; i++) {
-      for (let j = 0; j < n; j++) {
-        const half = CV[i][j] + CV[j][i] - 0.5 * (KQ[i][j] + KQ[j][i]);
-        right[i * n + j] = Qvv[i][j] - (V0[i][j] - V0[j][i] + half);
-      }
-    }
-    const y = this.equations(right), P = zeros(n, n), S = zeros(n, n);
-    for (let i = 0; i < n; i++) {
-      for (let j = 0; j < n; j++) {
-        P[i][j] = 0.5 * (y[i * n + j] + y[j * n + i]);
-        S[i][j] = 0.5 * (y[i * n + j] - y[j * n + i] - Qpp[i][j]);
-      }
-    }
-    const PK = multiply(P, K), SC = multiply(S, C);
-    const V = PK.map((row, i) => row.map((one, j) => one + SC[i][j] - Qpv[i][j]));
-    for (let i = 0; i < n; i++) {
-      for (let j = 0; j < n; j++) {
-        X[i][j] = P[i][j];
-        X[i][n + j] = X[n + j][i] = S[i][j] * unit;
-        X[n + i][n + j] = 0.5 * (V[i][j] + V[j][i]) * unit ** 2;
-      }
-    }
-    return X;
   }
 }
 
 const divided = (A, by) => A.map((row) => row.map((one) => one / by));
 
-// What one process u of a spectrum adds to Q, met by entries[j] after the j-th of at most two axles; and of h' = sum
-// rates[j] u(t - tau_j), which adds up to nothing over the axles, E[x h] and E[h^2].
+// What one process u of a spectrum stirs up, met by the amplitudes entries[j] after the j-th of at most two axles: felt[j],
+// E[x u(t - tau_j)] by modes, half of it where an axle meets itself; and of h' = sum rates[j] u(t - tau_j), which adds up
+// to nothing over the axles, E[x h] by modes and E[h^2].
 //
 // With R = (alpha I - A)^-1, d = e^(-alpha tau) and f what a fading colour forces over the delay, alpha R = I + R A and
 // alpha f = e^(A tau) b - d b - A f: high-passes, though white at high frequency, then need no white noise of their own,
 // with which they would cancel.
-function stirred(dynamics, entries, tau, { level, terms }, integrating) {
-  const axles = entries.length, behind = axles > 1, amplitudes = entries.map((entry) => dynamics.amplitudes(entry));
-  const counted = terms.every(({ alpha }) => alpha.im === 0) ? dynamics.counted : null;
+function stirred({ rates }, entries, tau, { level, terms }, integrating) {
+  const behind = entries.length > 1;
   const lefts = terms.map(({ alpha }) => (behind ? exponentialLess1(scaled(alpha, -tau)) : complex(-1)));
-  const felt = [[], []], passed = [];
-  dynamics.rates.forEach((rate, mode) => {
-    if (counted && !counted[mode]) return;
-    const front = amplitudes[0][mode], rear = behind ? amplitudes[1][mode] : complex(0);
-    const over = scaled(rate, tau), free = behind ? product(exponential(over), front) : complex(0), both = plus(rear, free);
+  const found = rates.map((rate, mode) => {
+    const front = entries[0][mode], rear = behind ? entries[1][mode] : complex(0), over = scaled(rate, tau);
+    const free = behind ? product(exponential(over), front) : complex(0), both = plus(rear, free);
     let first = scaled(front, 0.5 * level), second = scaled(minus(both, scaled(rear, 0.5)), level);
     let drifting = scaled(minus(free, front), level);
     for (let i = 0; i < terms.length; i++) {
       const { alpha, low, high } = terms[i], gone = lefts[i], d = plus(gone, complex(1));
-      const slow = scaled(product(low, alpha), 0.5), fast = scaled(product(high, rate), 0.5), late = product(scaled(high, 0.5), d);
-      const gain = quotient(minus(slow, fast), minus(alpha, rate));
+      const slow = scaled(product(low, alpha), 0.5), fast = scaled(product(high, rate), 0.5);
+      const late = product(scaled(high, 0.5), d), gain = quotient(minus(slow, fast), minus(alpha, rate));
       const one = product(gain, plus(front, product(d, rear)));
       first = plus(first, minus(one, product(late, rear)));
       if (!behind) continue;
@@ -152,21 +105,15 @@ function stirred(dynamics, entries, tau, { level, terms }, integrating) {
       const step = product(scaled(product(low, gone), 0.5), plus(front, rear));
       drifting = plus(drifting, plus(minus(other, one), plus(pushed, step)));
     }
-    [felt[0][mode], felt[1][mode], passed[mode]] = [first, second, quotient(drifting, rate)];
+    return { first, second, drifting };
   });
-  const Q = zeros(entries[0].length, entries[0].length);
-  entries.forEach((entry, j) => {
-    const with_u = dynamics.vector(felt[j], counted);
-    Q.forEach((row, i) => {
-      add(row, with_u, entry[i]);
-      add(row, entry, with_u[i]);
-    });
-  });
-  if (!integrating.some((rate) => rate !== 0)) return { Q, cross: null, own: 0 };
-  const [ahead, back] = integrating, cross = dynamics.vector(passed, counted).map((one) => -back * one);
+  const felt = [found.map(({ first }) => first), found.map(({ second }) => second)].slice(0, entries.length);
+  if (!integrating.some((rate) => rate !== 0)) return { felt, cross: null, own: 0 };
+  const [ahead, back] = integrating;
+  const cross = found.map(({ drifting }, mode) => scaled(quotient(drifting, rates[mode]), -back));
   const wandered = terms.reduce((total, { alpha, low, high }) => {
     const kept = unforgotten(scaled(alpha, tau));
     return total + product(low, kept).re + product(high, minus(complex(1), kept)).re;
   }, level);
-  return { Q, cross, own: -ahead * back * tau * wandered };
+  return { felt, cross, own: -ahead * back * tau * wandered };
 }

@@ -21,39 +21,45 @@ const verticalVelocity = (road, f) => {
   return ((2 * Math.PI * f) ** 2 * road.roughness * (n / REFERENCE_WAVENUMBER) ** -road.waviness * cut) / road.speed;
 };
 
-// What a row of outputs makes of each mode's amplitude.
-const seenBy = ({ V }, row) => V[0].map((_, k) => row.reduce((total, one, i) => plus(total, scaled(V[i][k], one)), complex(0)));
-
-// Sum over the modes of gains / (s - rate).
-function resonances(dynamics, gains, s) {
-  return gains.reduce((total, gain, k) => plus(total, quotient(gain, minus(s, dynamics.rates[k]))), complex(0));
+// Sum over the modes and their conjugates of gains / (s - rate).
+function resonances(rates, gains, s) {
+  let re = 0, im = 0;
+  for (let k = 0; k < gains.length; k++) {
+    const one = quotient(gains[k], minus(s, rates[k]));
+    re += one.re;
+    im += one.im;
+  }
+  return complex(re, im);
 }
+
+// What an output makes of amplitudes that the modes are moved by.
+const gainsOf = ({ dynamics, seen }, row, moved) => dynamics.whole(seen[row].map((one, k) => product(one, moved[k])));
 
 // Complex response of an output to the height of the road under a wheel.
 function response(car, row, wheel, frequencies) {
-  const { dynamics } = car, into = dynamics.amplitudes(car.entering.map((one) => one[wheel]));
-  const gains = seenBy(dynamics, car.seen[row]).map((one, k) => product(one, into[k]));
+  const { dynamics } = car, rates = dynamics.whole(dynamics.rates);
+  const gains = gainsOf(car, row, dynamics.amplitudes(car.entering[wheel]));
   const warp = car.on_warp[row] * sum(car.integrators.map((one) => one[wheel]));
   return frequencies.map((f) => {
-    const s = complex(0, 2 * Math.PI * f), rate = plus(resonances(dynamics, gains, s), complex(car.on_road_velocity[row][wheel]));
-    return plus(product(rate, s), complex(warp));
+    const s = complex(0, 2 * Math.PI * f), through = complex(car.on_road_velocity[row][wheel]);
+    return plus(product(plus(resonances(rates, gains, s), through), s), complex(warp));
   });
 }
 
 // One-sided spectrum of an output on a road.
 function spectrum(car, row, road, frequencies) {
-  const { dynamics } = car, seen = seenBy(dynamics, car.seen[row]), total = frequencies.map(() => 0);
+  const total = frequencies.map(() => 0), rates = car.dynamics.whole(car.dynamics.rates);
   for (const process of car.processes[road.tracks]) {
-    const axles = process.weights.map((weights, j) => ({
-      gains: dynamics.amplitudes(times(car.entering, weights)).map((one, k) => product(one, seen[k])),
-      through: dot(car.on_road_velocity[row], weights),
+    const axles = car.entries(process).map((entry, j) => ({
+      gains: gainsOf(car, row, entry),
+      through: dot(car.on_road_velocity[row], process.weights[j]),
       warp: car.on_warp[row] * process.rates[j],
-      tau: j * car.wheelbase / road.speed,
+      tau: (j * car.wheelbase) / road.speed,
     }));
     frequencies.forEach((f, i) => {
       const s = complex(0, 2 * Math.PI * f);
       const whole = axles.reduce((sum, { gains, through, warp, tau }) => {
-        const turn = exponentialLess1(scaled(s, -tau)), alone = plus(resonances(dynamics, gains, s), complex(through));
+        const turn = exponentialLess1(scaled(s, -tau)), alone = plus(resonances(rates, gains, s), complex(through));
         return plus(sum, plus(product(plus(turn, complex(1)), alone), quotient(scaled(turn, warp), s)));
       }, complex(0));
       total[i] += shareOf(process, road, f / road.speed, car.track_width) * verticalVelocity(road, f) * power(whole);
@@ -73,10 +79,8 @@ function unwrapped(angles) {
 
 // Natural motions, slowest first, each named after the coordinate whose kinetic energy is most its own.
 function modes(car) {
-  const { rates, n } = car.dynamics, mass = car.m;
-  const found = rates
-    .map((rate, k) => ({ rate, shape: mass.map((m, i) => scaled(car.dynamics.V[i][k], 1 / Math.sqrt(m))) }))
-    .filter((_, k) => car.dynamics.counted[k])
+  const { n, rates } = car.dynamics, mass = car.m;
+  const found = rates.map((rate, k) => ({ rate, shape: car.shapes[k] }))
     .sort((one, other) => modulus(one.rate) - modulus(other.rate));
   const shares = found.map(({ shape }) => {
     const energies = shape.map((one, i) => power(one) * mass[i]), all = sum(energies);
@@ -125,29 +129,36 @@ function bump(car, { height, length, speed }) {
   const way = (BUMP.before + BUMP.after) * speed + length + car.wheelbase, steps = Math.floor(way / (speed * step) + 1e-6);
   const every = Math.max(1, Math.floor((steps + 1) / BUMP.shown));
   const heights = (i) => axles.map((axle) => ground((i * step - BUMP.before) * speed - axle * car.wheelbase));
-  const gains = dynamics.rates.map((rate) => scaled(meanExponential(scaled(rate, step), complex(0)), 1));
-  const into = car.corners.map((_, wheel) => dynamics.amplitudes(car.entering.map((row) => row[wheel])));
-  const driven = dynamics.rates.map((rate, k) => into.map((one) => product(one[k], gains[k])));
-  const free = dynamics.rates.map((rate) => exponential(scaled(rate, step)));
-  const felt = car.measured[0].row, root = Float64Array.from(car.m, Math.sqrt);
-  const found = { t: [], x: [], body: {}, wheels: {}, ground: {}, acceleration: [] };
+  const { rates } = dynamics, into = car.entering.map((one) => dynamics.amplitudes(one));
+  const free = rates.map((rate) => exponential(scaled(rate, step)));
+  const driven = rates.map((rate, k) => {
+    const gain = meanExponential(scaled(rate, step), complex(0));
+    return into.map((one) => product(one[k], gain));
+  });
+  const felt = car.measured[0].row, found = { t: [], x: [], body: {}, wheels: {}, ground: {}, acceleration: [] };
   const put = (at, place, value) => (at[place] ??= []).push(value);
-  let amplitudes = dynamics.rates.map(() => complex(0)), z = heights(0);
+  let amplitudes = rates.map(() => complex(0)), z = heights(0);
   for (let i = 0; ; i++) {
     if (i % every === 0) {
-      const state = dynamics.vector(amplitudes), position = times(car.G, z).map((one, j) => one + state[j] / root[j]);
+      const carried = times(car.G, z), warp = sum(car.integrators.map((one) => dot(one, z)));
       found.t.push(i * step - BUMP.before);
       found.x.push((i * step - BUMP.before) * speed);
-      car.placed.forEach(({ at: [group, place] }, row) => put(found[group], place, dot(car.places[row], position)));
+      car.placed.forEach(({ at: [group, place], seen }, row) =>
+        put(found[group], place, dynamics.real(seen, amplitudes) + dot(car.places[row], carried)),
+      );
       car.corners.forEach((corner, wheel) => put(found.ground, corner, z[wheel]));
-      const warp = sum(car.integrators.map((one) => dot(one, z)));
-      found.acceleration.push(dot(car.seen[felt], state) + car.on_warp[felt] * warp);
+      found.acceleration.push(dynamics.real(car.seen[felt], amplitudes) + car.on_warp[felt] * warp);
     }
     if (i === steps) return found;
     const next = heights(i + 1), rise = next.map((one, wheel) => one - z[wheel]);
-    amplitudes = amplitudes.map((one, k) =>
-      driven[k].reduce((total, gain, wheel) => plus(total, scaled(gain, rise[wheel])), product(free[k], one)),
-    );
+    amplitudes = amplitudes.map((one, k) => {
+      const moved = product(free[k], one);
+      driven[k].forEach((gain, wheel) => {
+        moved.re += gain.re * rise[wheel];
+        moved.im += gain.im * rise[wheel];
+      });
+      return moved;
+    });
     z = next;
   }
 }
