@@ -5,7 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..extras import needing
+from .background import background
 from .compute import compute
+from .downloads import offer
+from .layout import layout
 from .server import guard
 from .state import NOTHING, Given
 
@@ -16,7 +19,8 @@ if TYPE_CHECKING:
 def application(given: Given = NOTHING) -> dash.Dash:
     """The page: what it holds is `layout`, what it shows is `compute`.
 
-    Its stores are ``state``, which the page's scripts write, and ``results``, which is `compute` of it.
+    Its stores are ``state``, which the page's scripts write, and ``results``, which is `compute` of it; ``conditions``,
+    a state that they write where more than springs and dampers moved, and ``background`` of that.
 
     Parameters
     ----------
@@ -33,22 +37,22 @@ def application(given: Given = NOTHING) -> dash.Dash:
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False, enable_mcp=False)
     guard(app.server)
-    app.layout = _layout(given)
+    offer(app.server, given)
+    app.layout = layout(given)
 
-    @app.callback(dash.Output("results", "data"), dash.Input("state", "data"))
+    def script(function: str, store: str) -> None:
+        app.clientside_callback(dash.ClientsideFunction("explorer", function), dash.Input(store, "data"))
+
+    script("start", "table")
+    script("answered", "results")
+    script("answeredSlowly", "background")
+
+    @app.callback(dash.Output("results", "data"), dash.Input("state", "data"), prevent_initial_call=True)
     def answer(state: Any) -> Any:
         return compute(state, given)
 
+    @app.callback(dash.Output("background", "data"), dash.Input("conditions", "data"), prevent_initial_call=True)
+    def answer_slowly(conditions: Any) -> Any:
+        return background(conditions, given)
+
     return app
-
-
-def _layout(given: Given) -> Any:
-    from dash import dcc, html
-
-    return html.Div(
-        [
-            dcc.Store(id="state", data=given.default()),
-            dcc.Store(id="results"),
-            dcc.Store(id="table", data=given.document()),
-        ]
-    )

@@ -17,7 +17,7 @@ from ..responses.excitation import spanned
 from .design import road_of, vehicle_of
 from .motion import bump, modes
 from .rows import at_places, named, number
-from .spectra import bode, frequencies, spectra
+from .spectra import FREQUENCIES, bode, spectra
 from .state import NOTHING, Given, checked
 from .surrogates import predictions
 
@@ -135,7 +135,7 @@ def comfort(scene: Scene) -> Found:
 def over_frequency(scene: Scene) -> Found:
     """Frequency responses and spectra of the outputs that the state names."""
     asked = scene.state["bode"]
-    f = frequencies()
+    f = np.geomspace(*FREQUENCIES)
     return {
         "frequency": f.tolist(),
         "bode": bode(scene.straight, asked, f),

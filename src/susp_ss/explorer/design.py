@@ -8,13 +8,9 @@ from typing import Any
 
 from ..roads.road import Road
 from ..vehicles.curves import DamperCurve
-from ..vehicles.quarter import QuarterCar, QuarterCarWithSeat
-from ..vehicles.seats import Seat, field_of
 from ..vehicles.vehicle import joined
+from .seat import seated
 from .state import NOTHING, Given
-
-DRIVER = "driver"
-"""Name of the seat that a state puts on a body."""
 
 
 def vehicle_of(state: Mapping[str, Any], given: Given = NOTHING) -> Any:
@@ -28,11 +24,15 @@ def vehicle_of(state: Mapping[str, Any], given: Given = NOTHING) -> Any:
     20000.0
     """
     car: Any = given.models[state["model"]]
-    if state["vehicle"]:
-        car = car.replaced(**state["vehicle"])
+    own = given.default(state["model"])["vehicle"]
+    moved = {name: value for name, value in state["vehicle"].items() if value != own[name]}
+    if moved:
+        car = car.replaced(**moved)
     if state["curve"]:
-        rates = dict(zip(car.wheels, car.at_wheels("cs"), strict=True))
-        car = dataclasses.replace(car, cs=joined({wheel: damper(cs, **state["curve"]) for wheel, cs in rates.items()}))
+        rates = car.at_wheels("cs")
+        curves = {cs: damper(cs, **state["curve"]) for cs in rates}
+        at_wheels = dict(zip(car.wheels, map(curves.get, rates), strict=True))
+        car = dataclasses.replace(car, cs=curves[rates[0]] if len(curves) == 1 else joined(at_wheels))
     return seated(car, state["seat"]) if state["seat"] else car
 
 
@@ -48,13 +48,6 @@ def damper(cs: float, rebound: float, compression: float, knee: float, beyond: f
     out, into = rebound * cs * knee, compression * cs * knee
     velocity = [-2.0 * knee, -knee, 0.0, knee, 2.0 * knee]
     return DamperCurve(velocity, [-(1.0 + beyond) * out, -out, 0.0, into, (1.0 + beyond) * into])
-
-
-def seated(car: Any, seat: Mapping[str, float]) -> Any:
-    """The vehicle with a driver on a seat."""
-    if isinstance(car, QuarterCar):
-        return QuarterCarWithSeat(**vars(car), **{field_of(of, ""): value for of, value in seat.items()})
-    return car.with_seats({DRIVER: Seat(**seat)})
 
 
 def road_of(state: Mapping[str, Any], given: Given = NOTHING) -> Road:

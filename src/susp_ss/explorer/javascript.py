@@ -28,10 +28,10 @@ from ..vehicles.second_order import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion
 from .compute import SPEEDS
-from .design import seated
 from .motion import motion_of
-from .rows import at_places, named
-from .spectra import frequencies, output_named
+from .rows import at_places, existing, named
+from .seat import seated
+from .spectra import frequencies
 from .state import NOTHING
 from .symbols import Lines
 from .table import Choice, Number
@@ -144,7 +144,7 @@ def described(vehicle: Vehicle, asked: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _output(name: str, layout: Any, public: Any) -> dict[str, Any]:
-    own = output_named(name, public)
+    own = existing(name.replace("@", "_"), public, "_")
     wheel = signal("z_r", name.partition("@")[2])
     given = wheel if wheel in layout.inputs else layout.inputs[0]
     axis, unit = AXES.get(metric_and_place(own)[0]), unit_of(own) or "1"
@@ -172,13 +172,14 @@ def model(name: str) -> str:
     seat = {row.key: row.default for row in NOTHING.tables[name] if isinstance(row, Number) and row.table == "seat"}
     known = settings(name, bare)
     occupied = seated(bare, seat)
-    asked = next(row.options for row in NOTHING.tables[name] if isinstance(row, Choice) and row.name == "bode")
+    asked = next(row for row in NOTHING.tables[name] if isinstance(row, Choice) and row.name == "bode")
+    alone = tuple(output for output in asked.options if output not in asked.seated)
     more = [field for field in type(occupied).quantities() if field not in type(bare).quantities()]
     of_seat = {f"seat.{key}": [next(field for field in more if field.startswith(f"seat_{key}"))] for key in seat}
-    entries = ((name, bare, known), (f"{name}, seated", occupied, known | of_seat))
+    entries = ((name, bare, known, alone), (f"{name}, seated", occupied, known | of_seat, asked.options))
     return ",\n".join(
-        f"{json.dumps(key)}: {{ ...{json.dumps(described(car, asked) | {'settings': own})},\nassemble: {assembled(car)} }}"
-        for key, car, own in entries
+        f"{json.dumps(key)}: {{ ...{json.dumps(described(car, outputs) | {'settings': own})},\nassemble: {assembled(car)} }}"
+        for key, car, own, outputs in entries
     )
 
 

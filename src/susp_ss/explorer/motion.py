@@ -12,7 +12,7 @@ from ..roads.obstacles import obstacle
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.vehicle import Vehicle
-from .design import DRIVER
+from .seat import DRIVER
 
 BODY = {"z_b": "heave", "z_s": "heave", "theta": "pitch", "phi": "roll"}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,6 +50,11 @@ def at_places(metrics: xr.Dataset) -> list[Row]:
         for place, values in zip(data[dim].values.tolist(), data.values.T, strict=True):
             rows.append(Row(f"{name}@{place}", f"{meaning}, {named(place)}", unit, np.atleast_1d(values)))
     return rows
+
+
+def existing(name: str, names: Iterable[str], joint: str = "@") -> str:
+    """An output's own name; where a seat has made its one place several, the name at the first of them."""
+    return next(own for own in names if own == name or own.startswith(f"{name}{joint}"))
 
 
 def named(place: str) -> str:

@@ -14,13 +14,13 @@ from ..quantities import metric_and_place, per_input, signal, unit_of
 from ..responses.frequency import frequency_response, psd
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
+from .rows import existing
 
 Array = NDArray[np.float64]
 
 
-def frequencies() -> Array:
-    """In Hz, from the slowest ride motion to beyond wheel hop."""
-    return np.geomspace(0.1, 50.0, 200)
+FREQUENCIES = (0.1, 50.0, 200)
+"""From the slowest ride motion to beyond wheel hop in Hz, and how many, evenly in the logarithm."""
 
 
 def bode(vehicle: RoadVehicle, outputs: Sequence[str], frequency: Array) -> list[dict[str, Any]]:
@@ -32,7 +32,7 @@ def bode(vehicle: RoadVehicle, outputs: Sequence[str], frequency: Array) -> list
     names, inputs = response.output.values.tolist(), response.input.values.tolist()
     curves = []
     for output in outputs:
-        name = output_named(output, names)
+        name = existing(output.replace("@", "_"), names, "_")
         own = signal("z_r", output.partition("@")[2])
         given = own if own in inputs else inputs[0]
         H = response.values[names.index(name), inputs.index(given)]
@@ -54,7 +54,7 @@ def spectra(vehicle: RoadVehicle, road: Road, outputs: Sequence[str], frequency:
     names = spectrum.output.values.tolist()
     curves = []
     for output in outputs:
-        name = output_named(output, names)
+        name = existing(output.replace("@", "_"), names, "_")
         S, axis = spectrum.values[names.index(name)], AXES.get(metric_and_place(name)[0])
         felt = None if axis is None else S * filter_of(axis.weighting, "").power(2.0 * np.pi * frequency)
         curves.append(
@@ -67,9 +67,3 @@ def spectra(vehicle: RoadVehicle, road: Road, outputs: Sequence[str], frequency:
             }
         )
     return curves
-
-
-def output_named(name: str, names: Sequence[str]) -> str:
-    """The output of this name; where a seat has made one place several, the first of them."""
-    own = name.replace("@", "_")
-    return own if own in names else next(other for other in names if other.startswith(f"{own}_"))

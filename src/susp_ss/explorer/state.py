@@ -104,7 +104,7 @@ def checked(state: Any, given: Given = NOTHING) -> tuple[dict[str, Any], list[di
         return given.default(), [_error("state", f"state must be a mapping, got {briefly(state)}")]
     errors = []
     model = state.get("model", next(iter(given.models)))
-    if model not in given.models:
+    if not isinstance(model, str) or model not in given.models:
         errors.append(_error("model", f"model must be one of {', '.join(given.models)}, got {briefly(model)}"))
         model = next(iter(given.models))
     right = given.default(model)
@@ -122,6 +122,11 @@ def checked(state: Any, given: Given = NOTHING) -> tuple[dict[str, Any], list[di
         if right.get(row.table, ()) is None:
             right[row.table] = {other.key: other.default for other in known.values() if other.table == row.table}
         _put(right, row, _plain(row, value))
+    if right["seat"] is None:
+        errors += [_error(row.name, _unseated(right, row)) for row in given.tables[model] if _unseated(right, row)]
+        for row in given.tables[model]:
+            if _unseated(right, row):
+                _put(right, row, row.default)
     return right, errors
 
 
@@ -179,6 +184,15 @@ def _leaves(state: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
             yield "", table, part
 
 
+def _unseated(state: Mapping[str, Any], row: Number | Choice) -> str:
+    """What is wrong with an output of a seat that is not there."""
+    if not isinstance(row, Choice) or not row.seated:
+        return ""
+    own = _get(state, row)
+    seated = [one for one in (own if row.several else [own]) if one in row.seated]
+    return f"{row.name} {seated[0]} needs a seat, got none" if seated else ""
+
+
 def _wrong(row: Number | Choice, value: Any) -> str:
     """What is wrong with a value, in one line; nothing if it is right."""
     if isinstance(row, Choice):
@@ -197,7 +211,7 @@ def _wrong(row: Number | Choice, value: Any) -> str:
 def _plain(row: Number | Choice, value: Any) -> Any:
     if isinstance(row, Number):
         return float(value)
-    return [value] if row.several and isinstance(value, str) else list(value) if row.several else value
+    return [value] if row.several and isinstance(value, str) else list(dict.fromkeys(value)) if row.several else value
 
 
 def _read(row: Number | Choice, word: str) -> Any:

@@ -13,6 +13,7 @@ from ..vehicles.curves import rate_of
 from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.seats import Seat
 from ..vehicles.vehicle import Vehicle
+from .seat import DRIVER, seated, takes_seat
 
 
 class Number(NamedTuple):
@@ -36,7 +37,7 @@ class Number(NamedTuple):
 
 
 class Choice(NamedTuple):
-    """A word, or ``several``, that the page may set among ``options``."""
+    """A word, or ``several``, that the page may set among ``options``; of these ``seated`` need the driver's seat."""
 
     name: str
     table: str
@@ -46,6 +47,7 @@ class Choice(NamedTuple):
     options: tuple[str, ...]
     default: Any
     several: bool = False
+    seated: tuple[str, ...] = ()
 
 
 GROUPS = {
@@ -60,7 +62,7 @@ GROUPS = {
 """Parameters of vehicles by what people look for; all others are of the steering and its tyres."""
 
 # How far a slider goes from the vehicle's own value, as factors of it.
-REACH = {"ks": (0.25, 4.0), "cs": (0.1, 5.0), **dict.fromkeys(("a", "b", "c", "middle", "radius"), (0.6, 1.6))}
+REACH = {"ks": (0.25, 4.0), "cs": (0.1, 5.0), **dict.fromkeys(("a", "b", "c", "radius"), (0.6, 1.6))}
 USUAL_REACH = (0.4, 2.5)
 
 # Where the vehicle's own value is zero or its sign is open: to where at least.
@@ -68,6 +70,7 @@ SPAN = {
     "ct": (0.0, 500.0),
     **dict.fromkeys(("arb", "arb_front", "arb_middle", "arb_rear"), (0.0, 60e3)),
     "ixz": (-200.0, 200.0),
+    "middle": (-1.0, 2.0),
     "relaxation": (0.0, 1.0),
     **dict.fromkeys(("roll_centre_front", "roll_centre_rear"), (-0.1, 0.4)),
     **dict.fromkeys(("seat_x", "seat_y"), (-2.0, 2.0)),
@@ -107,14 +110,19 @@ def _slider(name: str, table: str, key: str, group: str, label: str, quantity: Q
     """A slider about a vehicle's own value."""
     field = quantity.name
     low, high = REACH.get(field, USUAL_REACH)
-    least, most = SPAN.get(field, (low * own, high * own))
     if field in SPAN:
-        least, most = min(least, 2.0 * own), max(most, 3.0 * own)
+        least, most = min(SPAN[field][0], 2.0 * own), max(SPAN[field][1], 3.0 * own)
+    else:
+        least, most = (low * own, high * own) if own else (0.0, 100.0 * quantity.known[0])
     step = _round_step((most - least) / STEPS)
-    # The grid goes through the own value, so that the slider can show it.
+    return Number(name, table, key, group, label, quantity.unit, *_grid(least, most, step, own))
+
+
+def _grid(least: float, most: float, step: float, own: float) -> tuple[float, float, float, float]:
+    """Ends of a slider, step and value, the grid of steps going through the value, so that the slider can show it."""
     least = own - step * math.floor((own - least) / step + 1e-9)
     most = own + step * math.ceil((most - own) / step - 1e-9)
-    return Number(name, table, key, group, label, quantity.unit, _shorn(least), _shorn(most), step, own)
+    return _shorn(least), _shorn(most), step, own
 
 
 def _round_step(rough: float) -> float:
@@ -169,15 +177,6 @@ def takes_curve(car: RoadVehicle) -> bool:
     return isinstance(car, Vehicle) and not isinstance(car, RideHandlingCar) and not car.curved
 
 
-def takes_seat(car: RoadVehicle) -> bool:
-    """Whether the page may put a seat on a vehicle, which has none yet."""
-    return (
-        isinstance(car, Vehicle)
-        and not isinstance(car, RideHandlingCar)
-        and "seat_travel" not in car.layout().variables
-    )
-
-
 def _seat(car: RoadVehicle) -> Iterator[Number]:
     if not takes_seat(car):
         return
@@ -190,29 +189,40 @@ def _seat(car: RoadVehicle) -> Iterator[Number]:
 
 
 def _road(road: Road) -> Iterator[Number | Choice]:
-    of = ROAD["roughness"]
-    roughness, speed, cutoff = (float(getattr(road, name)) for name in ("roughness", "speed", "cutoff"))
-    rough = min(1e-6, roughness / 10.0), max(CLASSES["F"], roughness * 10.0)
-    yield Number("roughness", "road", "roughness", "road", f"{of.meaning}", of.unit, *rough, 1e-7, roughness, True)
+    own = {name: float(getattr(road, name)) for name in ROAD}
+    rough = min(1e-6, 0.1 * own["roughness"]), max(CLASSES["F"], 10.0 * own["roughness"])
+    yield _of_road("roughness", *rough, 1e-7, own["roughness"])._replace(logarithmic=True)
     if road.power_law:
-        yield Number("waviness", "road", "waviness", "road", "waviness w", "", 1.5, 3.0, 0.05, float(road.slopes[0]))
-    yield Number("speed", "road", "speed", "road", "speed V", "m/s", 2.0, max(70.0, speed), 0.5, speed)
-    yield Number("cutoff", "road", "cutoff", "road", "cut-off n_c", "cycle/m", 0.0, max(0.1, cutoff), 0.001, cutoff)
+        own["waviness"] = float(road.slopes[0])
+        ends = min(1.5, own["waviness"]), max(3.0, own["waviness"])
+        yield Number("waviness", "road", "waviness", "road", "waviness w", "", *_grid(*ends, 0.05, own["waviness"]))
+    yield _of_road("speed", *_grid(2.0, max(70.0, own["speed"]), 0.5, own["speed"]))
+    yield _of_road("cutoff", *_grid(0.0, max(0.1, own["cutoff"]), 0.001, own["cutoff"]))
     yield Choice("tracks", "road", "tracks", "road", "left and right track", TRACKS, road.tracks)
 
 
+def _of_road(name: str, least: float, most: float, step: float, own: float) -> Number:
+    quantity = ROAD[name]
+    label = f"{quantity.meaning} {quantity.symbol}" if quantity.symbol not in quantity.meaning else quantity.meaning
+    return Number(name, "road", name, "road", label, quantity.unit, least, most, step, own)
+
+
 def _shown(car: RoadVehicle) -> Iterator[Choice]:
-    metrics = outputs(car)
-    first = {name.partition("@")[0]: name for name in reversed(metrics)}
-    x, y = first.get("sws", metrics[0]), first.get("bacc", metrics[0])
-    yield Choice("carpet_x", "carpet", "x", "carpet", "across the carpet", metrics, x)
-    yield Choice("carpet_y", "carpet", "y", "carpet", "up the carpet", metrics, y)
-    public = car.layout().outputs
-    some = tuple(name for name in metrics if name.replace("@", "_") in public.names[public.public])
-    yield Choice("bode", "", "bode", "frequency", "outputs over frequency", some, [y, x] if x in some else [y], True)
+    own, public = _outputs(car)
+    felt, felt_public = _outputs(seated(car, {})) if takes_seat(car) else ((), ())
+    more = tuple(name for name in felt if name.endswith(f"@{DRIVER}"))
+    first = {name.partition("@")[0]: name for name in reversed(own)}
+    x, y = first.get("sws", own[0]), first.get("bacc", own[0])
+    yield Choice("carpet_x", "carpet", "x", "carpet", "across the carpet", own + more, x, seated=more)
+    yield Choice("carpet_y", "carpet", "y", "carpet", "up the carpet", own + more, y, seated=more)
+    more = tuple(name for name in more if name in felt_public)
+    some = [name for name in (y, x) if name in public]
+    yield Choice("bode", "", "bode", "frequency", "outputs over frequency", public + more, some, True, seated=more)
 
 
-def outputs(car: RoadVehicle) -> tuple[str, ...]:
-    """Names of all metrics of a vehicle, ``sws@fr``."""
-    variables = car.layout().variables
-    return tuple(f"{name}@{place}" if place else name for name, (_, places) in variables.items() for place in places)
+def _outputs(car: RoadVehicle) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of all metrics of a vehicle, ``sws@fr``, and of those that have a frequency response."""
+    layout = car.layout()
+    names = [f"{name}@{at}" if at else name for name, (_, places) in layout.variables.items() for at in places]
+    public = layout.outputs.names[layout.outputs.public]
+    return tuple(names), tuple(name for name in names if name.replace("@", "_") in public)
