@@ -40,7 +40,7 @@ def test_delayed_wheels_see_the_same_profile_later():
 @pytest.mark.parametrize("waviness", [1.5, 2.0, 3.0])
 def test_spectrum_of_the_samples_is_folded(waviness):
     road, step = ss.Road(waviness=waviness, cutoff=0.001), 0.05
-    samples = [wheel_heights(road, 50.0, step, seed=seed)[0] for seed in range(400)]
+    samples = [wheel_heights(road, 50.0, step, seed=seed)[0] for seed in range(150)]
     power = np.mean(np.abs(np.fft.rfft(samples)) ** 2, axis=0) * 2 * step / len(samples[0])
     f = np.fft.rfftfreq(len(samples[0]), step)[1:-1]
     folded = sum(road.psd(np.abs(f + k / step) / road.speed) / road.speed for k in range(-3000, 3001))

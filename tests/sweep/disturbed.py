@@ -1,12 +1,17 @@
 """What the tests of sweeps share: a small sweep, the files of a store, and ways of stopping."""
 
-import subprocess
-import sys
+import multiprocessing
+import multiprocessing.forkserver
+import os
+from typing import NamedTuple
 
+import dask
 import numpy as np
+from distributed.utils import get_mp_context
 
 import susp_ss as ss
 import susp_ss.sweep.computing
+from susp_ss.cli import main
 from susp_ss.sweep import sweep
 
 ROAD = ss.DEFAULT_ROAD
@@ -55,17 +60,50 @@ def raising(error):
     return stop
 
 
+class Ended(NamedTuple):
+    """How a process ended: its exit code, or the signal below zero; and what it said."""
+
+    returncode: int
+    stderr: str
+
+
+FORKS = multiprocessing.get_context("forkserver")
+
+
+def load_once():
+    """Have processes and workers of Dask start from one that has loaded what they need, and knows of no server yet."""
+    method = dask.config.set({"distributed.worker.multiprocessing-method": "forkserver"})
+    get_mp_context()  # Dask names what to load the first time that it is asked, and not again.
+    FORKS.set_forkserver_preload(["distributed", "s3fs", "susp_ss.cli.sweep", "susp_ss.metrics.in_memory", "zarr"])
+    multiprocessing.forkserver.ensure_running()
+    return method
+
+
 def process(program, *arguments):
     """Run the command in a process of its own, after a program and with chunks as small as here."""
+    listening, speaking = FORKS.Pipe(duplex=False)
+    child = FORKS.Process(target=_command, args=(speaking, program, [*map(str, arguments)], dict(os.environ)))
+    child.start()
+    speaking.close()
+    with open(listening.fileno(), closefd=False, encoding="utf-8") as said:
+        text = said.read()
+    child.join()
+    return Ended(child.exitcode, text)
+
+
+def _command(speaking, program, arguments, environment):
+    os.environ.clear()
+    os.environ.update(environment)
+    os.dup2(speaking.fileno(), 2)
+    speaking.close()
     preamble = (
         "import os, resource, signal, sys, susp_ss.sweep.computing, susp_ss.sweep.plan\n"
         # A shell that runs the tests in the background has its children ignore interrupts.
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "from susp_ss.cli import main\n"
         "susp_ss.sweep.plan.MOST_DESIGNS['covariance'] = 12\n"
     )
-    command = [sys.executable, "-c", preamble + program + "main(sys.argv[1:])", "sweep", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True)
+    exec(preamble + program, {})
+    main(["sweep", *arguments])
 
 
 def stopped_by(stop, n, after=()):

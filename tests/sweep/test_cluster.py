@@ -234,7 +234,7 @@ def test_object_store(url, objects, undisturbed):
 @needs_s3
 def test_workers_write_into_an_object_store(bucket, url, objects, undisturbed, written_here):
     """A cluster that is started later knows the server from its environment."""
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as late:
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0", env=dict(os.environ)) as late:
         assert sweep(ss.QuarterCar(), ROAD, AXES, url, scheduler=late.scheduler_address).computed == 40
     assert written_here == []
     assert objects() == undisturbed()
