@@ -33,6 +33,13 @@ def test_a_pivot_of_next_to_nothing_is_swapped_in_the_systems_that_have_it(tiny)
     np.testing.assert_allclose(solved(equations), by_lapack(equations), rtol=1e-8)
 
 
+def test_a_singular_matrix_is_refused():
+    equations = stacks(3, 20)
+    equations[1, :3, 7] = 0.0
+    with pytest.raises(ValueError, match="without damping"):
+        solved(equations)
+
+
 def test_what_is_coupled_through_the_last_alone():
     """Wheels feel one another through the body only: zeros that all systems share, in a matrix not its transpose."""
     equations = stacks(6, 40)

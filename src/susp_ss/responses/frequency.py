@@ -41,7 +41,7 @@ def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArr
     Raises
     ------
     ValueError
-        ``frequency`` is not a finite, positive, non-empty row of numbers.
+        ``frequency`` is not a finite, positive, non-empty row of numbers, or is exactly that of a mode without damping.
 
     Examples
     --------

@@ -20,7 +20,13 @@ TOGETHER = 1000
 
 
 def solved(equations: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Solutions (n, k, S) of S systems of n equations, (n, n + k, S): matrices, then k right-hand sides."""
+    """Solutions (n, k, S) of S systems of n equations, (n, n + k, S): matrices, then k right-hand sides.
+
+    Raises
+    ------
+    ValueError
+        A matrix is singular.
+    """
     n, columns, systems = equations.shape
     solutions = np.empty((n, columns - n, systems), dtype=complex)
     for part in blocks(systems, TOGETHER):
@@ -43,6 +49,10 @@ def _pivoted(equations: NDArray[np.complex128], i: int) -> int:
     column = equations[i:, i]
     sizes = np.abs(column.real) + np.abs(column.imag)
     most = sizes.max(axis=0)
+    if not most.all():
+        raise ValueError(
+            "a mode without damping answers without bound at one of the frequencies; pass cs > 0, or other frequencies"
+        )
     small = np.flatnonzero(sizes[0] < LARGE_ENOUGH * most)
     if len(small):
         largest = i + sizes[:, small].argmax(axis=0)
