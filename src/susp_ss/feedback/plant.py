@@ -308,9 +308,7 @@ def _with_forces(layout: Layout) -> Layout:
 def _places(names: list[str], known: list[str], what: str, which: str) -> list[int]:
     for name in names:
         if name not in known:
-            raise ValueError(
-                f"the controller {what} {name!r}, none of the vehicle's {which} {', '.join(known)}"
-            )
+            raise ValueError(f"the controller {what} {name!r}, none of the vehicle's {which} {', '.join(known)}")
     return [known.index(name) for name in names]
 
 
