@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -87,51 +88,59 @@ def tuned(
     goal = first.values(minimise, "minimise")
     if len(goal) > 1:
         raise ValueError(f"minimise must be a metric at one place, got {minimise!r}; available: {', '.join(goal)}")
-    units = dict(goal)
+    bounds: dict[str, float] = {}
     for name, limit in (limits or {}).items():
         if not _positive(limit):
             raise ValueError(f"limits: {name} must be a number > 0, got {briefly(limit)}")
-        units |= dict.fromkeys(first.values(name, "limits"), float(limit))
-    exact = Dampers.of(first, names, list(units)) if isinstance(law, Feedback) else None
-    size, seen = np.array([*units.values()]), dict[bytes, Array]()
+        bounds |= dict.fromkeys(first.values(name, "limits"), float(limit))
+    told, sizes = [*goal, *bounds], np.array([*goal.values(), *bounds.values()])
+    exact: Any = Dampers.of(first, names, told) if isinstance(law, Feedback) else None
+    seen: dict[bytes, Array] = {}
 
     def by_metrics(numbers: Mapping[str, float]) -> Array:
         found = made(**numbers)
-        return np.array([found.value(name) for name in units])
+        return np.array([found.value(name) for name in told])
+
+    values = by_metrics if exact is None else exact.values
+
+    def numbered(x: Array) -> dict[str, float]:
+        return dict(zip(names, (x * scale).tolist(), strict=True))
 
     def relative(x: Array) -> Array:
-        """The metric minimised, and those limited, in their units."""
+        """The metric minimised in proportion to its start, and those limited to their limits."""
         key = x.tobytes()
         if key not in seen:
-            numbers = dict(zip(names, (x * scale).tolist(), strict=True))
             try:
-                seen[key] = (by_metrics(numbers) if exact is None else exact.values(numbers)) / size
+                seen[key] = values(numbered(x)) / sizes
             except ValueError:
                 # Numbers on the way for which the loop is unstable are as bad as can be.
-                seen[key] = np.full(len(size), FAR)
+                seen[key] = np.full(len(sizes), FAR)
         return seen[key]
 
-    def slopes(x: Array) -> Array:
-        numbers = dict(zip(names, (x * scale).tolist(), strict=True))
-        return exact.slopes(numbers) * scale / size[:, None] if exact else np.zeros((0, 0))
+    @lru_cache(maxsize=1)
+    def slopes(key: bytes) -> Array:
+        x = np.frombuffer(key)
+        return np.asarray(exact.slopes(numbered(x), relative(x) * sizes) * scale / sizes[:, None])
 
     limited: dict[str, Any] = {"type": "ineq", "fun": lambda x: 1.0 - relative(x)[1:]}
+    if exact is not None:
+        limited["jac"] = lambda x: -slopes(x.tobytes())[1:]
     best = search(
         lambda x: relative(x)[0],
         np.ones(len(names)),
-        jac=(lambda x: slopes(x)[0]) if exact else None,
+        jac=None if exact is None else lambda x: slopes(x.tobytes())[0],
         method="SLSQP",
         bounds=[(LEAST, None)] * len(names),
-        constraints=limited | ({"jac": lambda x: -slopes(x)[1:]} if exact else {}) if len(size) > 1 else (),
+        constraints=limited if bounds else (),
         options={"ftol": 1e-10, "maxiter": 50},
     )
-    reached = relative(best.x)
-    if reached[1:].max(initial=0.0) > 1.0 + MET or reached[0] >= FAR:
-        name = [*units][int(np.argmax(reached[1:])) + 1]
+    excess = relative(best.x)[1:]
+    if excess.max(initial=0.0) > 1.0 + MET:
+        name = told[1 + int(np.argmax(excess))]
         raise ValueError(
-            f"limits: no numbers found that keep {name} below {units[name]:.4g}; start elsewhere, or raise it"
+            f"limits: no numbers found that keep {name} below {bounds[name]:.4g}; start elsewhere, or raise it"
         )
-    numbers = dict(zip(names, (best.x * scale).tolist(), strict=True))
+    numbers = numbered(best.x)
     return made(**numbers).renamed(", ".join(f"{name} {value:.4g}" for name, value in numbers.items()))
 
 
@@ -253,12 +262,12 @@ class Dampers(NamedTuple):
             raise ValueError("unstable")
         return np.asarray(np.sqrt(variances(system, noises, Law(K))[self.rows].clip(min=0.0)))
 
-    def slopes(self, numbers: Mapping[str, float]) -> Array:
-        """Their derivatives (metrics, numbers) by the numbers, in the order of these."""
+    def slopes(self, numbers: Mapping[str, float], values: Array) -> Array:
+        """Derivatives (metrics, numbers) of these values by the numbers, in their order; none of what is at rest."""
         system, noises, K, by = self._loop(numbers)
         slope = np.sum([by_gain(system, noise, K, self.rows) for noise in noises], axis=0)
         along = np.array([[(one * by[name]).sum() for name in numbers] for one in slope])
-        return along / (2.0 * self.values(numbers)[:, None])
+        return np.divide(along, 2.0 * values[:, None], out=np.zeros_like(along), where=values[:, None] > 0.0)
 
 
 def _positive(value: Any) -> bool:
