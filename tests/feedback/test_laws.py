@@ -6,6 +6,7 @@ import pytest
 import xarray as xr
 
 import susp_ss as ss
+from susp_ss.feedback.tuning import Dampers, remade
 
 ROAD = ss.Road()
 CAR = ss.QuarterCar(cs=900.0)
@@ -187,6 +188,59 @@ def test_tuning_finds_the_best_of_a_grid():
     assert repr(best).startswith("skyhook, gain ")
 
 
+UNEQUAL = ss.FullCar(cs=ss.Corners.axles(front=900.0, rear=1100.0))
+
+
+@pytest.mark.parametrize(
+    ("law", "at"),
+    [
+        (
+            ss.hybrid(UNEQUAL, PLAIN, 1500.0, 300.0),
+            {"sky": 1700.0, "ground": 200.0, "cs_front": 1000.0, "cs_rr": 1200.0},
+        ),
+        (
+            ss.hybrid(UNEQUAL, ss.Road(tracks="independent"), 1500.0, 300.0, lag=0.01, weighting="Wk"),
+            {"sky": 1700.0, "lag": 0.008, "cs_rear": 1000.0},
+        ),
+        (ss.groundhook(CAR, ROAD, 300.0, lag=0.01), {"gain": 400.0, "cs": 1000.0}),
+    ],
+    ids=lambda case: getattr(case, "kind", ""),
+)
+def test_slopes_of_a_law_are_the_limits_of_differences(law, at):
+    """What a search is told of each number, by values and slopes, is what the law itself gives, made anew."""
+    metrics = [name for name in law.table().index if name.partition("@")[0] in ("bacc", "sws", "dtl", "force")]
+    made, exact = remade(law, list(at)), Dampers.of(law, list(at), metrics)
+
+    def measured(**numbers):
+        found = made(**at | numbers)
+        return np.array([found.value(name) for name in metrics])
+
+    np.testing.assert_allclose(exact.values(at), measured(), rtol=1e-9)
+    expected = [
+        (measured(**{name: 1.0001 * x}) - measured(**{name: 0.9999 * x})) / (2e-4 * x) for name, x in at.items()
+    ]
+    np.testing.assert_allclose(
+        exact.slopes(at, exact.values(at)).T, expected, rtol=1e-5, atol=1e-7 * np.abs(expected).max()
+    )
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.01])
+def test_tuning_by_exact_slopes_comes_where_differences_do(lag):
+    start, limits = {"sky": 1500.0, "ground": 300.0, "cs": 900.0}, {"dtl": 420.0}
+    exact = ss.tuned(ss.hybrid(CAR, ROAD, 1500.0, 300.0, lag=lag), start, "bacc", limits)
+
+    def law(sky, ground, cs):
+        return ss.hybrid(ss.QuarterCar(cs=cs), ROAD, sky, ground, lag=lag)
+
+    other = ss.tuned(law, start, "bacc", limits)
+    assert exact.value("bacc") == pytest.approx(other.value("bacc"), rel=1e-5)
+    assert exact.value("dtl") <= limits["dtl"] * 1.0001
+    # A law that was tuned can be tuned again, from where it is.
+    assert (
+        ss.tuned(exact, {"sky": exact.numbers["sky"]}, "bacc", limits).value("bacc") <= exact.value("bacc") * 1.000001
+    )
+
+
 @pytest.mark.parametrize(
     ("make", "said"),
     [
@@ -201,6 +255,20 @@ def test_tuning_finds_the_best_of_a_grid():
         (lambda: ss.skyhook(CAR, None, 1.0), "road must be a Road"),
         (lambda: ss.tuned(lambda gain: ss.skyhook(CAR, ROAD, gain), {}), "start must be a mapping of numbers > 0"),
         (lambda: ss.tuned(lambda gain: ss.skyhook(CAR, ROAD, gain), {"gain": 9.0}, "bac"), "no metric named 'bac'"),
+        (
+            lambda: ss.tuned(ss.skyhook(CAR, ROAD, 9.0), {"sky": 9.0}),
+            "no 'sky' to tune, available: gain, lag",
+        ),
+        (
+            lambda: ss.tuned(ss.lqr(CAR, ROAD, WEIGHTS), {"gain": 9.0}),
+            "law must be a skyhook",
+        ),
+        (lambda: ss.tuned(None, {"gain": 9.0}), "law must be"),
+        (
+            lambda: ss.tuned(ss.skyhook(CAR, ROAD, 9.0), {"gain": 9.0}, "bacc", {"dtl": 9.0}),
+            "keep dtl below 9; start",
+        ),
+        (lambda: ss.groundhook(CAR, ROAD, -1.0), "groundhook\\(gain=...\\) must be finite and >= 0"),
     ],
 )
 def test_wrong_arguments_are_refused_in_one_line(make, said):

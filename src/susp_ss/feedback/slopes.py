@@ -21,6 +21,19 @@ from .preview import Law, Noise, System, carried
 Array = NDArray[np.float64]
 
 
+class _Lyapunov:
+    """``A X + X A^T + Q = 0``, or with A transposed, for many Q: one Schur form serves all (Bartels and Stewart)."""
+
+    def __init__(self, A: Array):
+        self.form, self.basis = scipy.linalg.schur(A, output="real")
+        (self.solver,) = scipy.linalg.get_lapack_funcs(("trsyl",), (self.form,))
+
+    def solve(self, Q: Array, transposed: bool = False) -> Array:
+        trans = ("T", "N") if transposed else ("N", "T")
+        X, scale, _ = self.solver(self.form, self.form, -self.basis.T @ Q @ self.basis, trana=trans[0], tranb=trans[1])
+        return np.asarray(self.basis @ (X * scale) @ self.basis.T)
+
+
 def by_weights(system: System, noises: list[Noise], law: Law, rows: NDArray[np.int_]) -> Array:
     """Derivatives (rows, m) of the variances of some outputs by the weights of all, under the law's K alone.
 
@@ -29,11 +42,11 @@ def by_weights(system: System, noises: list[Noise], law: Law, rows: NDArray[np.i
     B, D = system.B, system.D
     Ac, Cc = system.A - B @ law.K, system.C - D @ law.K
     slopes = np.sum([by_gain(system, noise, law.K, rows) for noise in noises], axis=0)
-    found = []
+    lyapunov, found = _Lyapunov(Ac), []
     for slope in slopes:
         pulled = np.linalg.solve(law.R, slope)
         pushed = B @ pulled
-        Z = scipy.linalg.solve_continuous_lyapunov(Ac, -0.5 * (pushed + pushed.T))
+        Z = lyapunov.solve(0.5 * (pushed + pushed.T))
         found.append(((Cc @ Z + D @ pulled) * Cc).sum(axis=1))
     return np.array(found)
 
@@ -59,12 +72,11 @@ def by_gain(system: System, noise: Noise, K: Array, rows: NDArray[np.int_]) -> A
         stirred += np.outer(psi, psi) - np.outer(last, last)
         passed.append((T, E, rho, rest, psi, last, np.linalg.solve(F, last - psi)))
         x = last + rho + jumps[j + 1]
-    X = scipy.linalg.solve_continuous_lyapunov(F, -stirred - np.outer(x, x))
-
-    found = []
+    lyapunov, found = _Lyapunov(F), []
+    X = lyapunov.solve(stirred + np.outer(x, x))
     for row in rows:
         h = H[row]
-        Y = scipy.linalg.solve_continuous_lyapunov(F.T, -np.outer(h, h))
+        Y = lyapunov.solve(np.outer(h, h), transposed=True)
         felt, moved, costate = X @ h, Y @ X, Y @ x
         for T, E, rho, rest, psi, last, total in reversed(passed):
             mu = -np.linalg.solve(F.T, h * rest[row])
