@@ -35,7 +35,6 @@ def application(given: Given = NOTHING) -> dash.Dash:
         import dash
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False, enable_mcp=False)
-    guard(app.server)
     offer(app.server, given)
     app.layout = _layout(given)
 
@@ -47,6 +46,7 @@ def application(given: Given = NOTHING) -> dash.Dash:
     def answer_slowly(conditions: Any) -> Any:
         return background(conditions, given)
 
+    guard(app.server, app.csp_hashes())
     return app
 
 
