@@ -35,8 +35,7 @@ def application(given: Given = NOTHING) -> dash.Dash:
     with needing("explorer", "The explorer"):
         import dash
 
-    app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False, enable_mcp=False)
-    guard(app.server)
+    app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False)
     offer(app.server, given)
     app.layout = layout(given)
 
@@ -55,4 +54,5 @@ def application(given: Given = NOTHING) -> dash.Dash:
     def answer_slowly(conditions: Any) -> Any:
         return background(conditions, given)
 
+    guard(app.server, app.csp_hashes())
     return app
