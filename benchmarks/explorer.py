@@ -34,7 +34,10 @@ SCENES = {
     "quarter car, springs": ("model=quarter", "ks"),
     "full car, front springs": ("", "ks_front"),
     "full car, a seat, front dampers": ("seat_mass=75", "cs_front"),
-    "full car, four pins, front springs": ("pin=ks_front%3D15053&pin=ks_front%3D22053&pin=cs_rear%3D2016.5&pin=", "ks_front"),
+    "full car, four pins, front springs": (
+        "pin=ks_front%3D15053&pin=ks_front%3D22053&pin=cs_rear%3D2016.5&pin=",
+        "ks_front",
+    ),
     "full car, four pins, speed": ("pin=ks_front%3D15053&pin=ks_front%3D22053&pin=cs_rear%3D2016.5&pin=", "speed"),
     "ride and handling, front springs": ("model=ride-handling", "ks_front"),
 }

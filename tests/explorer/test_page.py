@@ -123,7 +123,9 @@ def test_a_slider_moves_the_numbers(tab):
         now, change, start = row(tab, metric, place)
         assert near(now, after[name].sel(corner) / unit)
         assert near(start, before[name].sel(corner) / unit)
-        assert change == pytest.approx(100.0 * float(after[name].sel(corner) / before[name].sel(corner) - 1.0), abs=0.06)
+        assert change == pytest.approx(
+            100.0 * float(after[name].sel(corner) / before[name].sel(corner) - 1.0), abs=0.06
+        )
     assert query(tab) == {"ks_front": "23553"}
 
 
@@ -257,7 +259,9 @@ def test_by_keyboard_and_by_ear(tab):
     tab.wait_for_selector(IDLE)
     assert query(tab)["ks_rear"] > "18553"
     tab.wait_for_function("document.getElementById('said').textContent.includes('%')")
-    assert re.match(r"body vertical acceleration, centre of gravity [\d.]+ m/s², [+−][\d.]+", tab.locator("#said").inner_text())
+    assert re.match(
+        r"body vertical acceleration, centre of gravity [\d.]+ m/s², [+−][\d.]+", tab.locator("#said").inner_text()
+    )
     tab.keyboard.press("Control+z")
     tab.wait_for_function("!location.search.includes('ks_rear')")
 

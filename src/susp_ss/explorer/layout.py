@@ -26,7 +26,10 @@ PANELS = {
     "bode": ("Frequency response", "Per metre of the road under the output's own wheel, or else under the first."),
     "psd": ("Spectrum", "Power spectral density on the road; filled, as weighted for comfort."),
     "speeds": ("Over speed", "Metrics at other speeds on the same road."),
-    "carpet": ("Carpet", "Grey: all springs by all dampers, halved to doubled. Black: the Pareto front. Dotted: the least of any controller."),
+    "carpet": (
+        "Carpet",
+        "Grey: all springs by all dampers, halved to doubled. Black: the Pareto front. Dotted: the least of any controller.",
+    ),
     "surrogates": ("Surrogates", "What each fitted surrogate predicts, its interval, and the exact value."),
 }
 """For each panel its title and what it shows."""
@@ -114,7 +117,11 @@ def _words(given: Given) -> dict[str, Any]:
 
     numbers = [row for table in given.tables.values() for row in table if hasattr(row, "unit")]
     units = {row.name: unit(row.unit, SHOWN.get(row.name) or _shown(row.name) or row.unit) for row in numbers}
-    return {"quantities": {name: of(one) for name, one in (POSITIONS | KNOWN).items()}, "units": units, "places": PLACES}
+    return {
+        "quantities": {name: of(one) for name, one in (POSITIONS | KNOWN).items()},
+        "units": units,
+        "places": PLACES,
+    }
 
 
 def _shown(row: str) -> str:
