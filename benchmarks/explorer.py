@@ -48,7 +48,7 @@ MOST = 100.0
 TIMED = """async ([name, moves]) => {
     const slider = document.querySelector(`input[type=range][name=${name}]`);
     const idle = async () => {
-        while (document.querySelector("#panels").getAttribute("aria-busy") !== "false") await new Promise((done) => setTimeout(done, 5));
+        while (document.querySelector("#panels").ariaBusy !== "false") await new Promise((done) => setTimeout(done, 5));
     };
     const painted = () => new Promise((done) => requestAnimationFrame(() => {
         const after = new MessageChannel();

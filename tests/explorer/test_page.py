@@ -224,7 +224,7 @@ def test_two_users_at_once(browser, address, tab):
     tab.go()
     with visit(browser, address) as other:
         other.go("?model=quarter")
-        for i in range(5):
+        for _ in range(5):
             slider(tab, "ks_front").press("ArrowRight")
             slider(other, "ks").press("ArrowLeft")
         for one in (tab, other):
@@ -238,9 +238,9 @@ def test_two_users_at_once(browser, address, tab):
 def test_by_keyboard_and_by_ear(tab):
     tab.go("?pin=ks_front%3D20053")
     nameless = tab.evaluate(
-        """() => [...document.querySelectorAll("input, select, button, svg[role=img], summary, table")].filter((one) =>
-            !(one.ariaLabel ?? "").trim() && !(one.closest("label")?.textContent ?? "").trim() && !one.textContent.trim()
-        ).map((one) => one.outerHTML.slice(0, 99))"""
+        """() => [...document.querySelectorAll("input, select, button, summary, table, svg[role=img]")]
+            .filter((one) => !`${one.ariaLabel ?? ""}${one.closest("label")?.textContent ?? one.textContent}`.trim())
+            .map((one) => one.outerHTML.slice(0, 99))"""
     )
     assert nameless == []
     seen = {}
@@ -276,7 +276,7 @@ def test_telephone(browser, address, model):
             right = tab.locator(f"#panel-{name}").evaluate("one => one.getBoundingClientRect().right")
             assert right <= 360
         small = tab.evaluate(
-            "[...document.querySelectorAll('button, select')].filter((one) => one.offsetHeight && one.offsetHeight < 24).length"
+            "[...document.querySelectorAll('button, select')].filter(({ offsetHeight: h }) => h && h < 24).length"
         )
         assert small == 0
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 # A wheel on its spring, in the page itself: browsers ask for a file again whenever the address changes.
 ICON = (
-    "<link rel='icon' href=\"data:image/svg+xml,<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16' fill='none' "
-    "stroke='%230072b2' stroke-width='1.6'><circle cx='8' cy='11.5' r='3.6'/><path d='M2 1h12M8 1l3 1.6-6 2 6 2L8 8'/>"
+    "<link rel='icon' href=\"data:image/svg+xml,<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16' fill='none'"
+    " stroke='%230072b2' stroke-width='1.6'><circle cx='8' cy='11.5' r='3.6'/><path d='M2 1h12M8 1l3 1.6-6 2 6 2L8 8'/>"
     '</svg>">'
 )
 

@@ -116,13 +116,33 @@ explorer.state = (() => {
 
   // Without its springs and dampers: what the background of the carpet hangs on.
   function unsprung(state) {
-    const own = rows(state.model).filter(({ table, group }) => table === "vehicle" && ["springs", "dampers"].includes(group));
+    const own = rows(state.model).filter(
+      ({ table, group }) => table === "vehicle" && ["springs", "dampers"].includes(group),
+    );
     const vehicle = Object.entries(state.vehicle).filter(([name]) => !own.some(({ key }) => key === name));
     return { ...state, vehicle: Object.fromEntries(vehicle) };
   }
 
   const load = (document) => (table = document);
-  return { PINS: 4, load, models, rows, usual, own, optional, get, put, begin, write, read, wrong, design, pinned, unsprung, changed };
+  return {
+    PINS: 4,
+    load,
+    models,
+    rows,
+    usual,
+    own,
+    optional,
+    get,
+    put,
+    begin,
+    write,
+    read,
+    wrong,
+    design,
+    pinned,
+    unsprung,
+    changed,
+  };
 })();
 
 // Each step back is one of the browser's own: Back and Forward, Undo and Redo are the same.
