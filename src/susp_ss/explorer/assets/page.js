@@ -177,6 +177,7 @@ explorer.page = (() => {
       }),
     );
     for (const kept of answers.keys()) if (!references().some(({ pin }) => pin === kept)) answers.delete(kept);
+    draw();
   }
 
   function refuse(name, message) {

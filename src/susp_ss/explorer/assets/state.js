@@ -151,7 +151,9 @@ explorer.steps = (() => {
   const TOGETHER = 800; // ms within which further moves of one slider are the same step.
 
   let at = history.state?.step ?? 0;
-  let last = Math.max(at, Number(sessionStorage.getItem("steps")));
+  // A page that is loaded again, or come back to, still has the steps after it.
+  const [{ type }] = performance.getEntriesByType("navigation");
+  let last = type === "navigate" ? at : Math.max(at, Number(sessionStorage.getItem("steps")));
   let moving = { name: null, until: 0 };
   let waiting = null;
   let newest = "";
