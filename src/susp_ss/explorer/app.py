@@ -44,7 +44,6 @@ def application(given: Given = NOTHING) -> dash.Dash:
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False, enable_mcp=False)
     app.index_string = app.index_string.replace("{%favicon%}", ICON)
-    guard(app.server)
     offer(app.server, given)
     app.layout = layout(given)
 
@@ -63,4 +62,5 @@ def application(given: Given = NOTHING) -> dash.Dash:
     def answer_slowly(conditions: Any) -> Any:
         return background(conditions, given)
 
+    guard(app.server, app.csp_hashes())
     return app
