@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import dash
 
 
-def application(given: Given = NOTHING) -> dash.Dash:
+def application(given: Given = NOTHING, served: bool = True) -> dash.Dash:
     """The page: what it holds is `layout`, what it shows is `compute`.
 
     Its stores are ``state``, which the page's scripts write, and ``results``, which is `compute` of it; ``conditions``,
@@ -26,6 +26,8 @@ def application(given: Given = NOTHING) -> dash.Dash:
     ----------
     given : Given
         What the explorer was started with.
+    served : bool
+        Whether a server answers; without one, the functions of `javascript.engine` do, and there are no files.
 
     Raises
     ------
@@ -37,8 +39,7 @@ def application(given: Given = NOTHING) -> dash.Dash:
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False, enable_mcp=False)
     guard(app.server)
-    offer(app.server, given)
-    app.layout = layout(given)
+    app.layout = layout(given, files=served)
 
     def script(function: str, store: str) -> None:
         app.clientside_callback(dash.ClientsideFunction("explorer", function), dash.Input(store, "data"))
@@ -46,6 +47,15 @@ def application(given: Given = NOTHING) -> dash.Dash:
     script("start", "table")
     script("answered", "results")
     script("answeredSlowly", "background")
+
+    if not served:
+        for function, store, question in (("compute", "results", "state"), ("background", "background", "conditions")):
+            answers = dash.ClientsideFunction("engine", function)
+            asked = dash.Output(store, "data"), dash.Input(question, "data")
+            app.clientside_callback(answers, *asked, prevent_initial_call=True)
+        return app
+
+    offer(app.server, given)
 
     @app.callback(dash.Output("results", "data"), dash.Input("state", "data"), prevent_initial_call=True)
     def answer(state: Any) -> Any:

@@ -27,11 +27,12 @@ from ..roads.road import REFERENCE_WAVENUMBER, TRACKS, Road
 from ..vehicles.second_order import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion
+from .background import DESIGN, FACTORS
 from .compute import SPEEDS
 from .motion import motion_of
 from .rows import at_places, existing, named
 from .seat import seated
-from .spectra import frequencies
+from .spectra import FREQUENCIES
 from .state import NOTHING
 from .symbols import Lines
 from .table import Choice, Number
@@ -104,11 +105,11 @@ def surface(sign: int, waviness: float) -> dict[str, Any]:
 
 
 def weighting(name: str) -> dict[str, Any]:
-    """A frequency weighting: its square as first-order terms, and at `frequencies`."""
+    """A frequency weighting: its square as first-order terms, and at the frequencies of spectra."""
     one = filter_of(name, name)
     level, alphas, low, _ = one.colours
     parts = np.stack([alphas[0].real, alphas[0].imag, low[0].real, low[0].imag], axis=-1)
-    power = one.power(2.0 * np.pi * frequencies())
+    power = one.power(2.0 * np.pi * np.geomspace(*FREQUENCIES))
     return {"level": level.item(), "terms": parts.tolist(), "power": power.tolist()}
 
 
@@ -183,6 +184,12 @@ def model(name: str) -> str:
     )
 
 
+def designs(name: str) -> list[dict[str, Any]]:
+    """Springs and dampers of a model as the page begins with them."""
+    rows = [row for row in NOTHING.tables[name] if isinstance(row, Number) and row.group in DESIGN]
+    return [{"key": row.key, "group": row.group, "value": row.default} for row in rows if row.table == "vehicle"]
+
+
 def wavinesses() -> list[float]:
     """Those that the slider of the road's waviness stops at."""
     row = next(row for row in NOTHING.tables[MODELS[0]] if row.name == "waviness")
@@ -205,7 +212,8 @@ def drifting() -> str:
 def engine() -> str:
     """The engine as a script.
 
-    It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does.
+    It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does, and
+    ``background`` the carpet as `susp_ss.explorer.background.background` does.
     """
     grid = wavinesses()
     step = inspect.signature(obstacle).parameters["step"].default
@@ -214,15 +222,18 @@ def engine() -> str:
         "SPLIT": SPLIT,
         "REFERENCE_WAVENUMBER": REFERENCE_WAVENUMBER,
         "SPEEDS": SPEEDS.tolist(),
-        "FREQUENCIES": frequencies().tolist(),
+        "FREQUENCIES": np.geomspace(*FREQUENCIES).tolist(),
         "SURFACES": {str(sign): {f"{w:g}": surface(sign, w) for w in grid} for sign in (0, 1, -1)},
         "GAMMA": {f"{w:g}": float(gamma(0.5 * w)) for w in grid},
         "AXES": {name: axis._asdict() for name, axis in AXES.items()},
         "WEIGHTINGS": {axis.weighting: weighting(axis.weighting) for axis in AXES.values()},
         "REACTIONS": REACTIONS,
+        "FACTORS": FACTORS.tolist(),
+        "DESIGNS": {name: designs(name) for name in MODELS},
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
         | {"spacing": step},
         "WORDS": {
+            "background": "the Pareto front and what a controller could do are computed by susp-ss explore",
             "drifting": drifting(),
             "waviness": f"waviness on this page is one of {', '.join(f'{w:g}' for w in grid)}; susp-ss explore takes any",
         },
@@ -232,5 +243,5 @@ def engine() -> str:
     sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
     return (
         f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
-        "(globalThis.dash_clientside ??= {}).engine = { compute };\n})();\n"
+        "(globalThis.dash_clientside ??= {}).engine = { compute, background };\n})();\n"
     )
