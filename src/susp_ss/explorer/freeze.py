@@ -1,4 +1,4 @@
-"""The explorer as a folder of files, for any web server under any address: ``python -m susp_ss.explorer.freeze FOLDER``.
+"""The explorer as a folder of files, for any web server under any address, or for none.
 
 The page is the one that ``susp-ss explore`` serves, its scripts and components saved as they are; what a server would
 answer, the engine in JavaScript does.
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -90,8 +89,3 @@ def freeze(folder: Path) -> Path:
     index.write_text(page.replace("<script src=", f'<script src="{ENGINE}"></script>\n<script src=', 1), encoding="utf-8")
     return index
 
-
-if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("usage: python -m susp_ss.explorer.freeze FOLDER")
-    print(freeze(Path(sys.argv[1])))

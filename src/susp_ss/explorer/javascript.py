@@ -212,8 +212,8 @@ def drifting() -> str:
 def engine() -> str:
     """The engine as a script.
 
-    It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does, and
-    ``background`` the carpet as `susp_ss.explorer.background.background` does.
+    It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does,
+    ``background`` the carpet as `susp_ss.explorer.background.background` does; ``metrics`` are the numbers alone.
     """
     grid = wavinesses()
     step = inspect.signature(obstacle).parameters["step"].default
@@ -243,5 +243,5 @@ def engine() -> str:
     sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
     return (
         f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
-        "(globalThis.dash_clientside ??= {}).engine = { compute, background };\n})();\n"
+        "(globalThis.dash_clientside ??= {}).engine = { compute, background, metrics };\n})();\n"
     )

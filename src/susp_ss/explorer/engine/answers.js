@@ -9,6 +9,8 @@ function carOf({ model, vehicle, seat }) {
   return new Car(kind, parameters);
 }
 
+const metrics = (state) => carOf(state).metrics(state.road);
+
 // JSON has no infinity.
 const finite = (value) => (Number.isFinite(value) ? value : null);
 
