@@ -8,6 +8,7 @@ own share is `compute` alone. Writes a table under ``benchmarks/results``.
 """
 
 import argparse
+import logging
 import os
 import platform
 import shutil
@@ -97,6 +98,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--moves", type=int, default=200)
     count = parser.parse_args().moves
+    logging.getLogger("werkzeug").setLevel(logging.ERROR)
     load, body, broken = os.getloadavg()[0], [], []
     server = make_server("127.0.0.1", 0, application().server, threaded=True)
     threading.Thread(target=server.serve_forever, daemon=True).start()

@@ -15,6 +15,13 @@ from .state import NOTHING, Given
 if TYPE_CHECKING:
     import dash
 
+# A wheel on its spring, in the page itself: browsers ask for a file again whenever the address changes.
+ICON = (
+    "<link rel='icon' href=\"data:image/svg+xml,<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16' fill='none' "
+    "stroke='%230072b2' stroke-width='1.6'><circle cx='8' cy='11.5' r='3.6'/><path d='M2 1h12M8 1l3 1.6-6 2 6 2L8 8'/>"
+    '</svg>">'
+)
+
 
 def application(given: Given = NOTHING, served: bool = True) -> dash.Dash:
     """The page: what it holds is `layout`, what it shows is `compute`.
@@ -38,6 +45,7 @@ def application(given: Given = NOTHING, served: bool = True) -> dash.Dash:
         import dash
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False, enable_mcp=False)
+    app.index_string = app.index_string.replace("{%favicon%}", ICON)
     guard(app.server)
     app.layout = layout(given, files=served)
 

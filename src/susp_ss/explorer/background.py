@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..design.bounds import bounds
-from ..design.pareto import pareto_front
+from ..design.pareto import ParetoFront, pareto_front
 from ..metrics.ride import ride_metrics
-from ..roads.road import Road
-from ..vehicles.vehicle import Vehicle, joined
-from .design import road_of, vehicle_of
-from .rows import at_places, existing
-from .state import NOTHING, Given, checked
+from ..vehicles.vehicle import joined
+from .compute import Found, Scene
+from .rows import at_places, existing, output_names
+from .state import NOTHING, Given
 from .table import Number
 
 FACTORS = np.geomspace(0.5, 2.0, 7)
@@ -26,8 +26,6 @@ POINTS = 5
 
 DESIGN = ("springs", "dampers")
 """Groups of the vehicle's table that are the design; all else is the conditions that it meets."""
-
-Found = dict[str, Any]
 
 
 def conditions(state: dict[str, Any], given: Given = NOTHING) -> dict[str, Any]:
@@ -77,51 +75,70 @@ def background(state: Any, given: Given = NOTHING) -> Found:
     >>> all(y < passive for (_, y), (_, passive) in zip(found["bound"]["points"], found["front"]["points"]))
     True
     """
-    right, errors = checked(state, given)
-    right = conditions(right, given)
-    found: Found = {"errors": errors}
-
-    def attempt(part: Callable[..., Any], *arguments: Any) -> Any:
-        try:
-            return part(*arguments)
-        except (ValueError, TypeError) as error:
-            errors.append({"parameter": "", "message": str(error)})
-            return None
-
-    car, road = attempt(vehicle_of, right, given), attempt(road_of, right, given)
-    if not isinstance(car, Vehicle) or road is None:
-        return found
-    x, y = right["carpet"]["x"], right["carpet"]["y"]
-    drawn = attempt(carpet, car, road, x, y)
-    if drawn is None:
-        return found
-    found["carpet"], x, y = drawn, drawn["x"], drawn["y"]
-    box = {row.key: (row.least, row.most) for row in _design(right, given)}
-    front = attempt(pareto_front, car, road, box, (y, x), None, POINTS)
-    if front is None:
-        return found
-    points = front.table()[[x, y]].to_numpy()
-    found["front"] = {"points": points.tolist(), "designs": front.designs.to_dict("records")}
-    least = attempt(bounds, car, road, (y, x), front.metrics)
-    if least is not None:
-        met = np.isfinite(least)
-        found["bound"] = {"points": np.stack([points[met, 0], least[met]], axis=1).tolist()}
-    return found
+    field = Field(state, given)
+    found = Found()
+    for part in (carpet, front, bound):
+        found |= field.attempt(part) or {}
+    return found | {"errors": field.errors}
 
 
-def carpet(car: Vehicle, road: Road, x: str, y: str) -> Found:
-    """Two metrics for every combination of springs and dampers."""
+class Field(Scene):
+    """All designs under the conditions of a state."""
+
+    def __init__(self, state: Any, given: Given):
+        super().__init__(state, given)
+        self.state = conditions(self.state, given)
+
+    @cached_property
+    def axes(self) -> tuple[str, str]:
+        """The metrics across and up."""
+        names, _ = output_names(self.vehicle)
+        x, y = (existing(self.state["carpet"][axis], names) for axis in "xy")
+        return x, y
+
+    @cached_property
+    def best(self) -> ParetoFront:
+        """The designs that no other beats."""
+        box = {row.key: (row.least, row.most) for row in _design(self.state, self.given)}
+        return pareto_front(self.vehicle, self.road, box, self.axes[::-1], points=POINTS)
+
+    @cached_property
+    def points(self) -> NDArray[np.float64]:
+        """Their metrics, (points, 2)."""
+        return self.best.table()[list(self.axes)].to_numpy()
+
+
+def carpet(field: Field) -> Found:
+    """Both metrics for every combination of springs and dampers."""
+    car, (x, y) = field.vehicle, field.axes
+    if not _design(field.state, field.given):
+        return {}
     springs, dampers = (grid.ravel() for grid in np.meshgrid(FACTORS, FACTORS, indexing="ij"))
     scaled: dict[str, Any] = {
-        field: joined({wheel: own * by for wheel, own in zip(car.wheels, car.at_wheels(field), strict=True)})
-        for field, by in (("ks", springs), ("cs", dampers))
+        name: joined({wheel: own * by for wheel, own in zip(car.wheels, car.at_wheels(name), strict=True)})
+        for name, by in (("ks", springs), ("cs", dampers))
     }
-    values = {row.name: row.values for row in at_places(ride_metrics(dataclasses.replace(car, **scaled), road))}
-    x, y = existing(x, values), existing(y, values)
+    values = {row.name: row.values for row in at_places(ride_metrics(dataclasses.replace(car, **scaled), field.road))}
     designs = np.stack([values[x], values[y]], axis=-1).reshape(len(FACTORS), len(FACTORS), 2)
     if not np.isfinite(designs).all():
-        raise ValueError(f"a carpet of {x} and {y} is infinite on this road")
-    return {"x": x, "y": y, "ks": FACTORS.tolist(), "cs": FACTORS.tolist(), "designs": designs.tolist()}
+        raise ValueError(f"no carpet of {x} and {y}, which are infinite on this road")
+    return {"carpet": {"x": x, "y": y, "ks": FACTORS.tolist(), "cs": FACTORS.tolist(), "designs": designs.tolist()}}
+
+
+def front(field: Field) -> Found:
+    """The best designs, where springs and dampers are all that there is."""
+    if not _design(field.state, field.given) or field.vehicle.layout().controls:
+        return {}
+    return {"front": {"points": field.points.tolist(), "designs": field.best.designs.to_dict("records")}}
+
+
+def bound(field: Field) -> Found:
+    """What no suspension beats, at the same limits as the best designs."""
+    if not front(field):
+        return {}
+    least = bounds(field.straight, field.road, field.axes[::-1], field.best.metrics)
+    met = np.isfinite(least)
+    return {"bound": {"points": np.stack([field.points[met, 0], least[met]], axis=1).tolist()}}
 
 
 def _design(state: dict[str, Any], given: Given) -> list[Number]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..metrics.weightings import filter_of
 from ..responses.covariance import linearised
 from ..responses.covariance.routes import covariance_variances
 from ..responses.excitation import spanned
+from ..roads.road import Road
 from .design import road_of, vehicle_of
 from .motion import bump, modes
 from .rows import at_places, named, number
@@ -28,12 +30,34 @@ Found = dict[str, Any]
 
 
 class Scene:
-    """A state as everything that is shown of it needs it."""
+    """A state as everything that is shown of it needs it, and what was wrong with it on the way."""
 
-    def __init__(self, state: dict[str, Any], given: Given):
-        self.state, self.given = state, given
-        self.vehicle, self.road = vehicle_of(state, given), road_of(state, given)
-        self.straight = linearised(self.vehicle, self.road) if self.vehicle.curved else self.vehicle
+    def __init__(self, state: Any, given: Given):
+        self.state, self.errors = checked(state, given)
+        self.given = given
+
+    @cached_property
+    def vehicle(self) -> Any:
+        return vehicle_of(self.state, self.given)
+
+    @cached_property
+    def road(self) -> Road:
+        return road_of(self.state, self.given)
+
+    @cached_property
+    def straight(self) -> Any:
+        """The vehicle, with numbers in place of curves."""
+        return linearised(self.vehicle, self.road) if self.vehicle.curved else self.vehicle
+
+    def attempt(self, part: Callable[[Scene], Any]) -> Any:
+        """What a part finds; None where the package refuses, which is noted."""
+        try:
+            return part(self)
+        except (ValueError, TypeError) as error:
+            line = {"parameter": "", "message": str(error)}
+            if line not in self.errors:
+                self.errors.append(line)
+            return None
 
 
 def compute(state: Any, given: Given = NOTHING) -> Found:
@@ -72,25 +96,10 @@ def compute(state: Any, given: Given = NOTHING) -> Found:
     >>> [round(one["value"], 3) for one in found["metrics"] if one["name"] == "bacc"]
     [0.678]
     """
-    right, errors = checked(state, given)
-    found: Found = {"errors": errors}
-
-    def say(error: Exception) -> None:
-        line = {"parameter": "", "message": str(error)}
-        if line not in errors:
-            errors.append(line)
-
-    try:
-        scene = Scene(right, given)
-    except (ValueError, TypeError) as error:
-        say(error)
-        return found
+    scene, found = Scene(state, given), Found()
     for part in PARTS:
-        try:
-            found |= part(scene)
-        except (ValueError, TypeError) as error:
-            say(error)
-    return found
+        found |= scene.attempt(part) or {}
+    return found | {"errors": scene.errors}
 
 
 def over_speed(scene: Scene) -> Found:
@@ -143,12 +152,21 @@ def over_frequency(scene: Scene) -> Found:
     }
 
 
+def surrogates(scene: Scene) -> Found:
+    """Predictions of all surrogates that the vehicle has one value a input for."""
+    some = [
+        scene.attempt(lambda scene, name=name, fitted=fitted: predictions(name, fitted, scene.vehicle, scene.road))
+        for name, fitted in scene.given.surrogates.items()
+    ]
+    return {"surrogates": [row for rows in some if rows is not None for row in rows]}
+
+
 PARTS: tuple[Callable[[Scene], Found], ...] = (
     over_speed,
     comfort,
     over_frequency,
     lambda scene: {"modes": modes(scene.straight, scene.road.speed)},
     lambda scene: {"bump": bump(scene.vehicle, **scene.state["bump"])},
-    lambda scene: {"surrogates": predictions(scene.vehicle, scene.road, dict(scene.given.surrogates))},
+    surrogates,
 )
 """What is shown, each by itself: where one is refused, the others stand."""

@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..quantities import CORNERS, MIDDLE
+from ..vehicles.contract import RoadVehicle
 
 PLACES = {
     **CORNERS,
@@ -50,6 +51,14 @@ def at_places(metrics: xr.Dataset) -> list[Row]:
         for place, values in zip(data[dim].values.tolist(), data.values.T, strict=True):
             rows.append(Row(f"{name}@{place}", f"{meaning}, {named(place)}", unit, np.atleast_1d(values)))
     return rows
+
+
+def output_names(car: RoadVehicle) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of all metrics of a vehicle, ``sws@fr``, and of those that have a frequency response."""
+    layout = car.layout()
+    names = [f"{name}@{at}" if at else name for name, (_, places) in layout.variables.items() for at in places]
+    public = layout.outputs.names[layout.outputs.public]
+    return tuple(names), tuple(name for name in names if name.replace("@", "_") in public)
 
 
 def existing(name: str, names: Iterable[str], joint: str = "@") -> str:

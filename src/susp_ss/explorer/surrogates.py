@@ -23,8 +23,8 @@ INTERVAL = 0.95
 """Share of the expensive model's values that the bounds are to hold."""
 
 
-def predictions(vehicle: RoadVehicle, road: Road, surrogates: dict[str, SuspensionSurrogate]) -> list[dict[str, Any]]:
-    """What each surrogate says of every output of its own, and what the vehicle itself has there.
+def predictions(name: str, fitted: SuspensionSurrogate, vehicle: RoadVehicle, road: Road) -> list[dict[str, Any]]:
+    """What a surrogate says of every output of its own, and what the vehicle itself has there.
 
     That is exact on the road for which the surrogate was fitted, and weighted as its runs were. ``outside`` says that
     the design lies outside the runs: then no bounds hold.
@@ -34,10 +34,6 @@ def predictions(vehicle: RoadVehicle, road: Road, surrogates: dict[str, Suspensi
     ValueError
         A vehicle that has not one value for each input.
     """
-    return [row for name, fitted in surrogates.items() for row in _of_one(name, fitted, vehicle, road)]
-
-
-def _of_one(name: str, fitted: SuspensionSurrogate, vehicle: RoadVehicle, road: Road) -> list[dict[str, Any]]:
     design = {own: _value(name, own, vehicle, road) for own in fitted.inputs}
     X = pd.DataFrame([design])
     with warnings.catch_warnings():

@@ -13,6 +13,7 @@ from ..vehicles.curves import rate_of
 from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.seats import Seat
 from ..vehicles.vehicle import Vehicle
+from .rows import output_names
 from .seat import DRIVER, seated, takes_seat
 
 
@@ -208,8 +209,8 @@ def _of_road(name: str, least: float, most: float, step: float, own: float) -> N
 
 
 def _shown(car: RoadVehicle) -> Iterator[Choice]:
-    own, public = _outputs(car)
-    felt, felt_public = _outputs(seated(car, {})) if takes_seat(car) else ((), ())
+    own, public = output_names(car)
+    felt, felt_public = output_names(seated(car, {})) if takes_seat(car) else ((), ())
     more = tuple(name for name in felt if name.endswith(f"@{DRIVER}"))
     first = {name.partition("@")[0]: name for name in reversed(own)}
     x, y = first.get("sws", own[0]), first.get("bacc", own[0])
@@ -218,11 +219,3 @@ def _shown(car: RoadVehicle) -> Iterator[Choice]:
     more = tuple(name for name in more if name in felt_public)
     some = [name for name in (y, x) if name in public]
     yield Choice("bode", "", "bode", "frequency", "outputs over frequency", public + more, some, True, seated=more)
-
-
-def _outputs(car: RoadVehicle) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names of all metrics of a vehicle, ``sws@fr``, and of those that have a frequency response."""
-    layout = car.layout()
-    names = [f"{name}@{at}" if at else name for name, (_, places) in layout.variables.items() for at in places]
-    public = layout.outputs.names[layout.outputs.public]
-    return tuple(names), tuple(name for name in names if name.replace("@", "_") in public)

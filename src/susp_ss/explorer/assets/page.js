@@ -277,16 +277,22 @@ explorer.page = (() => {
     const key = keyOf(frame);
     if (slowFlight !== null || key === background.key) return;
     slowFlight = key;
-    background = { key: null, found: null };
-    draw(["carpet"]);
     send("conditions", here.state);
+    settled({ key: null, found: null });
   }
 
   function answeredSlowly(found) {
-    background = { key: slowFlight, found };
+    const key = slowFlight;
     slowFlight = null;
-    draw(["carpet"]);
+    settled({ key, found });
     askSlowly();
+  }
+
+  function settled(next) {
+    background = next;
+    element("carpet").setAttribute("aria-busy", !next.found);
+    element("carpet-tools").dataset.said = next.found ? next.found.errors.map(({ message }) => message).join("\n") : "computing …";
+    draw(["carpet"]);
   }
 
   return { start, answered, answeredSlowly, refuse, query: () => explorer.state.write(here) };

@@ -105,8 +105,6 @@ explorer.panels = (() => {
     const springs = grid?.designs ?? [];
     const dampers = springs.length ? springs[0].map((_, j) => springs.map((row) => row[j])) : [];
     const mesh = [...springs, ...dampers].flatMap((points, i) => path(`mesh-${i}`, points, i < springs.length ? "mesh" : "mesh dampers"));
-    body("carpet").setAttribute("aria-busy", !background);
-    body("carpet-tools").dataset.said = background ? background.errors.map(({ message }) => message).join("\n") : "computing …";
     chart("carpet", "plane", "tall").draw({
       x: axis(x),
       y: axis(y),
