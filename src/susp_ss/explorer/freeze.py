@@ -36,12 +36,12 @@ class Alone(Given):
     """What an explorer without a server offers: the models that `javascript.engine` knows, with numbers for dampers."""
 
     @property
-    def models(self) -> dict[str, Any]:  # type: ignore[override]
+    def models(self) -> dict[str, Any]:
         """Models by name."""
         return {name: car for name, car in super().models.items() if name in MODELS}
 
     @property
-    def tables(self) -> dict[str, Any]:  # type: ignore[override]
+    def tables(self) -> dict[str, Any]:
         """For each model, what the page may set."""
         return {name: tuple(row for row in rows if row.table != "curve") for name, rows in super().tables.items()}
 
@@ -85,7 +85,8 @@ def freeze(folder: Path) -> Path:
     answers = {name: fetched(f"/{name}").decode() for name in ASKED}
     script = ANSWERED.format(known=json.dumps(answers)) + engine()
     (folder / ENGINE).write_text(script, encoding="utf-8")
+    first = '<script src="'
+    page = page.replace(first, f'{first}{ENGINE}"></script>\n{first}', 1)
     index = folder / "index.html"
-    index.write_text(page.replace("<script src=", f'<script src="{ENGINE}"></script>\n<script src=', 1), encoding="utf-8")
+    index.write_text(page, encoding="utf-8")
     return index
-
