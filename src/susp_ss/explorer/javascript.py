@@ -242,8 +242,7 @@ def engine() -> str:
         "WORDS": {
             "background": "the Pareto front and what a controller could do are computed by susp-ss explore",
             "drifting": drifting(),
-            "waviness": f"on this page waviness goes in steps of {grid[1] - grid[0]:.2g} from {grid[0]:g} to {grid[-1]:g};"
-            " susp-ss explore takes any between",
+            "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },
     }
     given = "\n".join(f"const {name} = {json.dumps(value)};" for name, value in constants.items())
