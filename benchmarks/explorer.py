@@ -34,7 +34,10 @@ SCENES = {
     "quarter car, springs": ("model=quarter", "ks"),
     "full car, front springs": ("", "ks_front"),
     "full car, a seat, front dampers": ("seat_mass=75", "cs_front"),
-    "full car, four pins, front springs": ("pin=ks_front%3D15053&pin=ks_front%3D22053&pin=cs_rear%3D2016.5&pin=", "ks_front"),
+    "full car, four pins, front springs": (
+        "pin=ks_front%3D15053&pin=ks_front%3D22053&pin=cs_rear%3D2016.5&pin=",
+        "ks_front",
+    ),
     "full car, four pins, speed": ("pin=ks_front%3D15053&pin=ks_front%3D22053&pin=cs_rear%3D2016.5&pin=", "speed"),
     "ride and handling, front springs": ("model=ride-handling", "ks_front"),
 }
@@ -45,7 +48,7 @@ MOST = 100.0
 TIMED = """async ([name, moves]) => {
     const slider = document.querySelector(`input[type=range][name=${name}]`);
     const idle = async () => {
-        while (document.querySelector("#panels").getAttribute("aria-busy") !== "false") await new Promise((done) => setTimeout(done, 5));
+        while (document.querySelector("#panels").ariaBusy !== "false") await new Promise((done) => setTimeout(done, 5));
     };
     const painted = () => new Promise((done) => requestAnimationFrame(() => {
         const after = new MessageChannel();

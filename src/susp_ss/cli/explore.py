@@ -45,15 +45,17 @@ def run(
     susp-ss explore --vehicle car.toml --surrogate fit/surrogate.json
     """
     from ..explorer.app import application
-    from ..explorer.server import serve
+    from ..explorer.server import address, listening, serve
 
     with refusals():
         app = application(_given(vehicle, system, road, surrogate or [], trust_units))
     try:
-        serve(app, port, not no_browser, lambda address: typer.echo(f"{address} (Ctrl-C ends it)"))
+        server = listening(app, port)
     except (OSError, OverflowError) as error:
         said = getattr(error, "strerror", None) or str(error)
         raise Refusal(f"--port {port}: {said}; pass another, or 0 for one that is free") from error
+    typer.echo(f"{address(server)} (Ctrl-C ends it)")
+    serve(server, browser=not no_browser)
 
 
 def _given(

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 # A wheel on its spring, in the page itself: browsers ask for a file again whenever the address changes.
 ICON = (
-    "<link rel='icon' href=\"data:image/svg+xml,<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16' fill='none' "
-    "stroke='%230072b2' stroke-width='1.6'><circle cx='8' cy='11.5' r='3.6'/><path d='M2 1h12M8 1l3 1.6-6 2 6 2L8 8'/>"
+    "<link rel='icon' href=\"data:image/svg+xml,<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16' fill='none'"
+    " stroke='%230072b2' stroke-width='1.6'><circle cx='8' cy='11.5' r='3.6'/><path d='M2 1h12M8 1l3 1.6-6 2 6 2L8 8'/>"
     '</svg>">'
 )
 
@@ -46,7 +46,8 @@ def application(given: Given = NOTHING, served: bool = True) -> dash.Dash:
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False, enable_mcp=False)
     app.index_string = app.index_string.replace("{%favicon%}", ICON)
-    guard(app.server)
+    if served:
+        offer(app.server, given)
     app.layout = layout(given, files=served)
 
     def script(function: str, store: str) -> None:
@@ -63,8 +64,6 @@ def application(given: Given = NOTHING, served: bool = True) -> dash.Dash:
             app.clientside_callback(answers, *asked, prevent_initial_call=True)
         return app
 
-    offer(app.server, given)
-
     @app.callback(dash.Output("results", "data"), dash.Input("state", "data"), prevent_initial_call=True)
     def answer(state: Any) -> Any:
         return compute(state, given)
@@ -73,4 +72,5 @@ def application(given: Given = NOTHING, served: bool = True) -> dash.Dash:
     def answer_slowly(conditions: Any) -> Any:
         return background(conditions, given)
 
+    guard(app.server, app.csp_hashes())
     return app

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
+from typing import Any, Self
 
 import numpy as np
 
+from ..fit.surrogate_file import SuspensionSurrogate
 from ..metrics.comfort import AXES, in_words
 from ..metrics.ride import ride_metrics
 from ..metrics.weightings import filter_of
@@ -18,7 +19,7 @@ from ..responses.excitation import spanned
 from ..roads.road import Road
 from .design import road_of, vehicle_of
 from .motion import bump, modes
-from .rows import at_places, named, number
+from .rows import Row, at_places, named, number
 from .spectra import FREQUENCIES, bode, spectra
 from .state import NOTHING, Given, checked
 from .surrogates import predictions
@@ -49,7 +50,7 @@ class Scene:
         """The vehicle, with numbers in place of curves."""
         return linearised(self.vehicle, self.road) if self.vehicle.curved else self.vehicle
 
-    def attempt(self, part: Callable[[Scene], Any]) -> Any:
+    def attempt(self, part: Callable[[Self], Any]) -> Any:
         """What a part finds; None where the package refuses, which is noted."""
         try:
             return part(self)
@@ -103,16 +104,18 @@ def compute(state: Any, given: Given = NOTHING) -> Found:
 
 
 def over_speed(scene: Scene) -> Found:
-    """Metrics at the road's own speed, and over speed."""
-    road = dataclasses.replace(scene.road, speed=np.append(scene.road.speed, SPEEDS))
-    rows = at_places(ride_metrics(scene.vehicle, road))
-    return {
-        "metrics": [row.described() | {"value": number(row.values[0])} for row in rows],
-        "speeds": {
-            "speed": SPEEDS.tolist(),
-            "metrics": [row.described() | {"values": list(map(number, row.values[1:]))} for row in rows],
-        },
-    }
+    """Metrics at the road's own speed, and over speed where the vehicle can go so fast."""
+
+    def at(speed: Any) -> list[Row]:
+        return at_places(ride_metrics(scene.vehicle, dataclasses.replace(scene.road, speed=speed)))
+
+    swept = scene.attempt(lambda scene: at(np.append(scene.road.speed, SPEEDS)))
+    rows = swept or at(scene.road.speed)
+    found = {"metrics": [row.described() | {"value": number(row.values[0])} for row in rows]}
+    if swept is None:
+        return found
+    over = [row.described() | {"values": list(map(number, row.values[1:]))} for row in rows]
+    return found | {"speeds": {"speed": SPEEDS.tolist(), "metrics": over}}
 
 
 def comfort(scene: Scene) -> Found:
@@ -154,11 +157,14 @@ def over_frequency(scene: Scene) -> Found:
 
 def surrogates(scene: Scene) -> Found:
     """Predictions of all surrogates that the vehicle has one value a input for."""
-    some = [
-        scene.attempt(lambda scene, name=name, fitted=fitted: predictions(name, fitted, scene.vehicle, scene.road))
-        for name, fitted in scene.given.surrogates.items()
-    ]
-    return {"surrogates": [row for rows in some if rows is not None for row in rows]}
+    found: list[Found] = []
+    for name, fitted in scene.given.surrogates.items():
+        found += scene.attempt(partial(_of_surrogate, name, fitted)) or []
+    return {"surrogates": found}
+
+
+def _of_surrogate(name: str, fitted: SuspensionSurrogate, scene: Scene) -> list[Found]:
+    return predictions(name, fitted, scene.vehicle, scene.road)
 
 
 PARTS: tuple[Callable[[Scene], Found], ...] = (

@@ -7,6 +7,7 @@ from typing import Any
 from ..quantities import KNOWN, POSITIONS, Quantity, typeset, units_of
 from .rows import PLACES
 from .state import Given
+from .table import Number
 
 # What people say in another unit than the engine; of all else, what `quantities` shows.
 SHOWN = {"roughness": "cm^3", "bump_height": "mm"}
@@ -26,7 +27,10 @@ PANELS = {
     "bode": ("Frequency response", "Per metre of the road under the output's own wheel, or else under the first."),
     "psd": ("Spectrum", "Power spectral density on the road; filled, as weighted for comfort."),
     "speeds": ("Over speed", "Metrics at other speeds on the same road."),
-    "carpet": ("Carpet", "Grey: all springs by all dampers, halved to doubled. Black: the Pareto front. Dotted: the least of any controller."),
+    "carpet": (
+        "Carpet",
+        "Grey: all springs by all dampers, halved to doubled. Black: the Pareto front. Dotted: the best of any law.",
+    ),
     "surrogates": ("Surrogates", "What each fitted surrogate predicts, its interval, and the exact value."),
 }
 """For each panel its title and what it shows."""
@@ -57,11 +61,11 @@ def layout(given: Given, files: bool = True) -> Any:
             dcc.Store(id="table", data=given.document() | {"words": _words(given)}),
             html.Header(_header(files), id="head"),
             html.Ul(id="errors", role="alert"),
-            html.Aside([html.Div(id="sliders")], id="controls", **{"aria-label": "Sliders"}),
+            html.Aside([html.Div(id="sliders")], id="controls", **_aria(label="Sliders")),
             html.Main(
                 [html.Div([_panel(name, *PANELS[name]) for name in column]) for column in COLUMNS],
                 id="panels",
-                **{"aria-busy": "true"},
+                **_aria(busy="true"),
             ),
             html.P(id="said", role="status"),
         ],
@@ -73,7 +77,7 @@ def _header(files: bool) -> list[Any]:
     from dash import html
 
     def button(name: str, text: str, words: str) -> Any:
-        return html.Button(text, id=name, type="button", title=words, **{"aria-label": words})
+        return html.Button(text, id=name, type="button", title=words, **_aria(label=words))
 
     kinds = [button(f"download-{kind}", text, f"Download: {words}") for kind, (text, words) in DOWNLOADS.items()]
     downloads = html.Div([html.Span("Download", className="quiet"), *kinds], id="downloads")
@@ -82,7 +86,7 @@ def _header(files: bool) -> list[Any]:
         html.Label(["Model", html.Span(id="models")]),
         html.Div([button("undo", "Undo", "Undo (Ctrl+Z)"), button("redo", "Redo", "Redo (Ctrl+Shift+Z)")]),
         html.Div([button("pin", "Pin design", "Pin this design and compare others with it")]),
-        html.Ul(id="pins", **{"aria-label": "Pinned designs"}),
+        html.Ul(id="pins", **_aria(label="Pinned designs")),
         *([downloads] if files else []),
     ]
 
@@ -100,8 +104,13 @@ def _panel(name: str, title: str, words: str) -> Any:
         ],
         id=f"panel-{name}",
         className="panel",
-        **{"aria-labelledby": f"{name}-title"},
+        **_aria(labelledby=f"{name}-title"),
     )
+
+
+def _aria(**words: str) -> dict[str, Any]:
+    """What those who listen are told of an element."""
+    return {f"aria-{name}": text for name, text in words.items()}
 
 
 def _words(given: Given) -> dict[str, Any]:
@@ -113,9 +122,13 @@ def _words(given: Given) -> dict[str, Any]:
     def of(quantity: Quantity) -> dict[str, Any]:
         return unit(quantity.unit, quantity.shown or quantity.unit) | {"meaning": quantity.meaning}
 
-    numbers = [row for table in given.tables.values() for row in table if hasattr(row, "unit")]
+    numbers = [row for table in given.tables.values() for row in table if isinstance(row, Number)]
     units = {row.name: unit(row.unit, SHOWN.get(row.name) or _shown(row.name) or row.unit) for row in numbers}
-    return {"quantities": {name: of(one) for name, one in (POSITIONS | KNOWN).items()}, "units": units, "places": PLACES}
+    return {
+        "quantities": {name: of(one) for name, one in (POSITIONS | KNOWN).items()},
+        "units": units,
+        "places": PLACES,
+    }
 
 
 def _shown(row: str) -> str:

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import logging
+import socket
 import threading
 import webbrowser
+from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 from urllib.parse import urlsplit
+
+from ..surrogates.folds import one_blas_thread
 
 HOST = "127.0.0.1"
 
@@ -14,11 +19,25 @@ NAMES = {"localhost", "127.0.0.1", "::1"}
 """What a browser may call this machine by; any other name that leads here is somebody else's."""
 
 
-def guard(server: Any) -> None:
+HEADERS = {
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+POLICY = (
+    "default-src 'none'; script-src 'self' {scripts}; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+    "font-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+
+
+def guard(server: Any, scripts: Sequence[str]) -> None:
     """Let a Flask application refuse whatever does not come from a page of its own.
 
     A foreign page could send a browser here under a name of its own (DNS rebinding), which ``Host`` tells, or by a
-    request across sites, which ``Origin`` or ``Sec-Fetch-Site`` tell; a link to the page itself may be anywhere.
+    request across sites, which ``Origin`` or ``Sec-Fetch-Site`` tell; a link to the page itself may be anywhere. The
+    page may load nothing from elsewhere and run no script within it but those of the hashes ``scripts``.
     """
     from flask import abort, request
 
@@ -34,43 +53,35 @@ def guard(server: Any) -> None:
 
     @server.after_request
     def keep_to_itself(response: Any) -> Any:
-        response.headers["X-Content-Type-Options"] = "nosniff"
-        response.headers["X-Frame-Options"] = "DENY"
-        response.headers["Referrer-Policy"] = "no-referrer"
-        response.headers["Cross-Origin-Resource-Policy"] = "same-origin"
+        response.headers.update(HEADERS)
+        response.headers["Content-Security-Policy"] = POLICY.format(scripts=" ".join(scripts))
         return response
 
 
-def serve(app: Any, port: int, browser: bool, say: Any) -> None:
-    """Serve a Dash application until it is interrupted.
-
-    Parameters
-    ----------
-    app : dash.Dash
-        The page.
-    port : int
-        Where; 0 takes one that is free.
-    browser : bool
-        Whether to open the page.
-    say : callable
-        Is told the page's address.
+def listening(app: Any, port: int) -> Any:
+    """A server of a Dash application, listening on this machine alone; port 0 takes one that is free.
 
     Raises
     ------
-    OSError
-        The port is taken.
+    OSError, OverflowError
+        The port is taken, or none.
     """
     from werkzeug.serving import make_server
 
     logging.getLogger("werkzeug").setLevel(logging.ERROR)
-    server = make_server(HOST, port, app.server, threaded=True)
-    address = f"http://{HOST}:{server.server_port}/"
-    say(address)
+    # Left to itself, werkzeug would print and exit where the port is taken.
+    with socket.create_server((HOST, port)) as taken:
+        return make_server(HOST, port, app.server, threaded=True, fd=taken.fileno())
+
+
+def address(server: Any) -> str:
+    """Where a browser finds its page."""
+    return f"http://{HOST}:{server.port}/"
+
+
+def serve(server: Any, browser: bool) -> None:
+    """Answer until interrupted; ``browser`` opens the page."""
     if browser:
-        threading.Timer(0.3, webbrowser.open, [address]).start()
-    try:
+        threading.Timer(0.3, webbrowser.open, [address(server)]).start()
+    with suppress(KeyboardInterrupt), server, one_blas_thread():
         server.serve_forever()
-    except KeyboardInterrupt:
-        pass
-    finally:
-        server.server_close()

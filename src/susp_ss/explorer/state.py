@@ -113,7 +113,7 @@ def checked(state: Any, given: Given = NOTHING) -> tuple[dict[str, Any], list[di
         row = known.get((table, key))
         if row is None:
             name = _name(table, key)
-            errors.append(_error(name, f"no parameter of {model} named {name}"))
+            errors.append(_error(name, f"no parameter of {model} named {briefly(name)}"))
             continue
         message = _wrong(row, value)
         if message:
@@ -165,7 +165,7 @@ def from_query(text: str, given: Given = NOTHING) -> tuple[dict[str, Any], list[
     model = said.pop("model", next(iter(given.models)))
     known = {row.name: row for row in given.tables.get(model, given.tables[next(iter(given.models))])}
     state: dict[str, Any] = {"model": model}
-    unknown = [_error(name, f"no parameter of {model} named {name}") for name in said if name not in known]
+    unknown = [_error(name, f"no parameter of {model} named {briefly(name)}") for name in said if name not in known]
     for name, word in said.items():
         if name in known:
             _put(state, known[name], _read(known[name], word))

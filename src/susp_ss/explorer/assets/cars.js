@@ -24,13 +24,16 @@ explorer.Car = class {
     const order = Object.keys(places).sort((one, other) => places[other][1] - places[one][1]);
     const drawn = order.map((name) => {
       const spring = svg("path", { class: "spring" });
-      const size = this.behind ? { rx: 0.11, ry: explorer.Car.RADIUS } : { rx: explorer.Car.RADIUS, ry: explorer.Car.RADIUS };
+      const size = this.behind
+        ? { rx: 0.11, ry: explorer.Car.RADIUS }
+        : { rx: explorer.Car.RADIUS, ry: explorer.Car.RADIUS };
       const hub = this.behind ? "" : svg("circle", { r: 0.13 });
       const wheel = svg("g", { class: "wheel" }, svg("ellipse", size), hub);
       this.wheels.set(name, { spring, wheel });
       return [spring, wheel];
     });
-    const half = this.behind || this.single ? drawn.length : drawn.filter((_, i) => places[order[i]][1] > this.right).length;
+    const half =
+      this.behind || this.single ? drawn.length : drawn.filter((_, i) => places[order[i]][1] > this.right).length;
     this.group.append(...drawn.slice(0, half).flat(), this.far, this.near, ...drawn.slice(half).flat());
   }
 
@@ -74,16 +77,36 @@ explorer.Car = class {
 
   // The near side of the body, (ahead, up), or the back of it, (left, up).
   outline() {
-    if (this.single) return [[-0.5, 0.62], [-0.5, 1.2], [0.5, 1.2], [0.5, 0.62]];
+    if (this.single)
+      return [
+        [-0.5, 0.62],
+        [-0.5, 1.2],
+        [0.5, 1.2],
+        [0.5, 0.62],
+      ];
     if (this.behind) {
       const [r, l] = [this.right, this.left];
-      return [[r - 0.08, 0.5], [r - 0.1, 0.85], [r + 0.18, 1.35], [l - 0.18, 1.35], [l + 0.1, 0.85], [l + 0.08, 0.5]];
+      return [
+        [r - 0.08, 0.5],
+        [r - 0.1, 0.85],
+        [r + 0.18, 1.35],
+        [l - 0.18, 1.35],
+        [l + 0.1, 0.85],
+        [l + 0.08, 0.5],
+      ];
     }
     const [a, b] = [this.front, this.rear];
     const length = a - b;
     return [
-      [b - 0.62, 0.42], [b - 0.66, 0.82], [b - 0.25, 0.92], [b + 0.16 * length, 1.3], [b + 0.58 * length, 1.32],
-      [b + 0.8 * length, 0.92], [a + 0.5, 0.78], [a + 0.7, 0.6], [a + 0.7, 0.42],
+      [b - 0.62, 0.42],
+      [b - 0.66, 0.82],
+      [b - 0.25, 0.92],
+      [b + 0.16 * length, 1.3],
+      [b + 0.58 * length, 1.32],
+      [b + 0.8 * length, 0.92],
+      [a + 0.5, 0.78],
+      [a + 0.7, 0.6],
+      [a + 0.7, 0.42],
     ];
   }
 

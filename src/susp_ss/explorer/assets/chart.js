@@ -53,8 +53,14 @@ explorer.Chart = class {
     if (!this.width) return this.measure();
     const { top, right, bottom, left } = explorer.Chart.MARGIN;
     const marks = [...shown.lines, ...(shown.points || [])];
-    const [x, y] = ["x", "y"].map((axis) =>
-      new explorer.Scale(shown[axis], marks.map((mark) => mark[axis]), axis === "x" ? [left, this.width - right] : [this.height - bottom, top]));
+    const [x, y] = ["x", "y"].map(
+      (axis) =>
+        new explorer.Scale(
+          shown[axis],
+          marks.map((mark) => mark[axis]),
+          axis === "x" ? [left, this.width - right] : [this.height - bottom, top],
+        ),
+    );
     this.scales = { x, y };
     this.frame(x, y);
     this.picture.setAttribute("aria-label", shown.words || shown.y.label);
@@ -134,7 +140,8 @@ explorer.Chart = class {
       return shown.at === undefined ? this.cursor.setAttribute("d", "") : this.point(shown.at);
     }
     const value = scales.x.under(pixel);
-    const near = (line) => line.x.reduce((best, x, i) => (Math.abs(x - value) < Math.abs(line.x[best] - value) ? i : best), 0);
+    const near = (line) =>
+      line.x.reduce((best, x, i) => (Math.abs(x - value) < Math.abs(line.x[best] - value) ? i : best), 0);
     const [first] = lines;
     const said = lines.map((line) => `${line.name} ${scales.y.text(line.y[near(line)])}`);
     this.reading.textContent = `${scales.x.text(first.x[near(first)])} ${shown.x.unit || ""}: ${said.join("  ")}`;
@@ -225,6 +232,8 @@ explorer.Scale = class {
   }
 
   static power(value) {
-    return value >= 0.001 && value < 1e5 ? String(Number(value.toPrecision(1))) : explorer.numbers.brief(value, 1).replace("1·", "");
+    return value >= 0.001 && value < 1e5
+      ? String(Number(value.toPrecision(1)))
+      : explorer.numbers.brief(value, 1).replace("1·", "");
   }
 };

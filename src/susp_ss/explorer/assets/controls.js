@@ -42,7 +42,9 @@ explorer.controls = (() => {
     const order = [...groups].sort(([a], [b]) => rank(a) - rank(b));
     const made = order.map(([name, rows]) => [name, group(name, rows)]);
     for (const panel of Object.values(PLACED)) document.getElementById(panel).replaceChildren();
-    document.getElementById("sliders").replaceChildren(...made.filter(([name]) => !PLACED[name]).map(([, part]) => part));
+    document
+      .getElementById("sliders")
+      .replaceChildren(...made.filter(([name]) => !PLACED[name]).map(([, part]) => part));
     for (const [name, part] of made) if (PLACED[name]) document.getElementById(PLACED[name]).append(part);
   }
 
@@ -55,7 +57,12 @@ explorer.controls = (() => {
       parts.push(...(explorer.state.optional({ table }) ? [optional(table, some)] : some));
     }
     if (PLACED[name] && name !== "frequency") return html("div", { role: "group", "aria-label": name }, ...parts);
-    return html("details", { open: OPEN.includes(name) }, html("summary", {}, name === "frequency" ? "Outputs" : sentence(name)), ...parts);
+    return html(
+      "details",
+      { open: OPEN.includes(name) },
+      html("summary", {}, name === "frequency" ? "Outputs" : sentence(name)),
+      ...parts,
+    );
   }
 
   const sentence = (text) => text[0].toUpperCase() + text.slice(1);
@@ -101,15 +108,30 @@ explorer.controls = (() => {
     const { one, unit } = explorer.words.shown(row);
     const steps = Math.round((row.most - row.least) / row.step);
     const [along, back] = row.logarithmic
-      ? [(value) => Math.log(value / row.least) / Math.log(row.most / row.least), (at) => row.least * (row.most / row.least) ** at]
+      ? [
+          (value) => Math.log(value / row.least) / Math.log(row.most / row.least),
+          (at) => row.least * (row.most / row.least) ** at,
+        ]
       : [(value) => (value - row.least) / row.step, (at) => Number((row.least + row.step * at).toPrecision(12))];
-    const range = html("input", { type: "range", name: row.name, ...(row.logarithmic ? { min: 0, max: 1, step: 0.005 } : { min: 0, max: steps, step: 1 }) });
+    const range = html("input", {
+      type: "range",
+      name: row.name,
+      ...(row.logarithmic ? { min: 0, max: 1, step: 0.005 } : { min: 0, max: steps, step: 1 }),
+    });
     const field = html("input", { type: "text", inputmode: "decimal", autocomplete: "off", spellcheck: "false" });
     const caption = sentence(row.label);
     range.setAttribute("aria-label", caption);
     field.setAttribute("aria-label", unit ? `${caption} in ${unit}` : caption);
-    const digits = row.logarithmic ? (value) => explorer.numbers.brief(value / one) : (value) => explorer.numbers.stepped(value / one, Math.min(row.step / one, 10 ** (Math.floor(Math.log10(Math.abs(value / one) || 1)) - 3)));
-    range.addEventListener("input", () => changed(row, row.logarithmic ? Number(back(range.valueAsNumber).toPrecision(3)) : back(range.valueAsNumber)));
+    const digits = row.logarithmic
+      ? (value) => explorer.numbers.brief(value / one)
+      : (value) =>
+          explorer.numbers.stepped(
+            value / one,
+            Math.min(row.step / one, 10 ** (Math.floor(Math.log10(Math.abs(value / one) || 1)) - 3)),
+          );
+    range.addEventListener("input", () =>
+      changed(row, row.logarithmic ? Number(back(range.valueAsNumber).toPrecision(3)) : back(range.valueAsNumber)),
+    );
     field.addEventListener("change", () => {
       const value = Number(field.value.replace(",", ".").replace("\u2212", "-")) * one;
       const what = field.value.trim() ? explorer.state.wrong(row, value) : explorer.state.wrong(row, field.value);
@@ -128,7 +150,15 @@ explorer.controls = (() => {
       range.style.setProperty("--at", `${100 * (along(value) / (row.logarithmic ? 1 : steps))}%`);
     });
     const extra = row.name === "roughness" ? [classes(row)] : [];
-    return html("div", { class: "slider" }, html("span", { class: "caption" }, ...explorer.words.symbols(caption)), ...extra, field, html("span", { class: "unit" }, unit), range);
+    return html(
+      "div",
+      { class: "slider" },
+      html("span", { class: "caption" }, ...explorer.words.symbols(caption)),
+      ...extra,
+      field,
+      html("span", { class: "unit" }, unit),
+      range,
+    );
   }
 
   // A road's class by ISO 8608 sets the roughness to the class's mean.

@@ -35,7 +35,9 @@ explorer.numbers = (() => {
 
   const signed = (text) => text.replace("-", MINUS);
   const superscript = (power) =>
-    String(power).replace("-", "\u207b").replace(/\d/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
+    String(power)
+      .replace("-", "\u207b")
+      .replace(/\d/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
 
   return { brief, stepped, change };
 })();
@@ -54,11 +56,14 @@ explorer.words = (() => {
   // One letter stands for two places: of a car with a left side, r is the right.
   function placed(place) {
     const sided = explorer.state.rows(explorer.words.model).some((row) => row.options?.includes("sws@l"));
-    return place === "r" && sided ? "right" : known().places[place] ?? place;
+    return place === "r" && sided ? "right" : (known().places[place] ?? place);
   }
 
   // As a picture's title has it, with the place as the engine writes it.
-  const title = (name) => (split(name)[1] ? `${known().quantities[split(name)[0]]?.meaning ?? split(name)[0]} ${split(name)[1]}` : output(name));
+  const title = (name) =>
+    split(name)[1]
+      ? `${known().quantities[split(name)[0]]?.meaning ?? split(name)[0]} ${split(name)[1]}`
+      : output(name);
 
   // Text in which ``K_s`` is a symbol with its index.
   function symbols(text) {

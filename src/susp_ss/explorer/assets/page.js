@@ -30,7 +30,13 @@ explorer.page = (() => {
     const some = pins.length ? pins : [explorer.state.design(explorer.state.usual(state.model))];
     return some.map((pin, i) => {
       const pinned = explorer.state.pinned(pin, state);
-      return { name: pins.length ? NAMES[i] : "start", style: NAMES[i].toLowerCase(), pin, state: pinned, key: keyOf(pinned) };
+      return {
+        name: pins.length ? NAMES[i] : "start",
+        style: NAMES[i].toLowerCase(),
+        pin,
+        state: pinned,
+        key: keyOf(pinned),
+      };
     });
   }
 
@@ -150,19 +156,28 @@ explorer.page = (() => {
         const name = NAMES[i];
         const others = here.pins.filter((_, j) => j !== i);
         const style = name.toLowerCase();
-        const swatch = explorer.svg("svg", { class: "swatch", "aria-hidden": true }, explorer.svg("path", { class: `line ${style}`, d: "M0,5H26" }));
+        const swatch = explorer.svg(
+          "svg",
+          { class: "swatch", "aria-hidden": true },
+          explorer.svg("path", { class: `line ${style}`, d: "M0,5H26" }),
+        );
         return html(
           "li",
           {},
           swatch,
           html("b", {}, name),
-          i ? button("Ref", `Compare with ${name}`, () => move(null, { pins: [pin, ...others] })) : html("span", { class: "quiet", title: "Others are compared with it" }, "reference"),
-          button("Take", `Go on from design ${name}`, () => move(null, { state: explorer.state.pinned(pin, here.state) })),
+          i
+            ? button("Ref", `Compare with ${name}`, () => move(null, { pins: [pin, ...others] }))
+            : html("span", { class: "quiet", title: "Others are compared with it" }, "reference"),
+          button("Take", `Go on from design ${name}`, () =>
+            move(null, { state: explorer.state.pinned(pin, here.state) }),
+          ),
           button("\u00d7", `Unpin design ${name}`, () => move(null, { pins: others })),
         );
       }),
     );
     for (const kept of answers.keys()) if (!references().some(({ pin }) => pin === kept)) answers.delete(kept);
+    draw();
   }
 
   function refuse(name, message) {
@@ -183,15 +198,14 @@ explorer.page = (() => {
   // Once nothing moves: what takes seconds, and the numbers for those who listen.
   function settle() {
     askSlowly();
-    const first = now.results?.metrics?.slice(0, 1) ?? [];
-    const [reference] = references();
-    element("said").textContent = first
-      .map(({ name, value, unit }) => {
-        const before = (reference.key === now.key ? now : answers.get(reference.pin))?.results?.metrics.find((one) => one.name === name);
-        const { one, unit: shownUnit } = explorer.words.metric(name, unit);
-        return `${explorer.words.output(name)} ${explorer.numbers.brief(value / one)} ${shownUnit}, ${explorer.numbers.change(value, before?.value)}`;
-      })
-      .join("; ");
+    if (!now.results?.metrics) return;
+    const [first, before] = designs().map(({ results }) => results?.metrics[0]);
+    const { one, unit } = explorer.words.metric(first.name, first.unit);
+    const [number, change] = [
+      explorer.numbers.brief(first.value / one),
+      explorer.numbers.change(first.value, before?.value),
+    ];
+    element("said").textContent = `${explorer.words.output(first.name)} ${number} ${unit}, ${change}`;
   }
 
   function arrive() {
@@ -263,7 +277,8 @@ explorer.page = (() => {
   function player() {
     const button = html("button", { type: "button", class: "player" });
     const say = () => {
-      for (const each of document.querySelectorAll(".player")) each.textContent = explorer.motion.playing() ? "Pause" : "Play";
+      for (const each of document.querySelectorAll(".player"))
+        each.textContent = explorer.motion.playing() ? "Pause" : "Play";
       button.textContent = explorer.motion.playing() ? "Pause" : "Play";
     };
     button.addEventListener("click", () => (explorer.motion.play(!explorer.motion.playing()), say()));
@@ -291,7 +306,9 @@ explorer.page = (() => {
   function settled(next) {
     background = next;
     element("carpet").setAttribute("aria-busy", !next.found);
-    element("carpet-tools").dataset.said = next.found ? next.found.errors.map(({ message }) => message).join("\n") : "computing …";
+    element("carpet-tools").dataset.said = next.found
+      ? next.found.errors.map(({ message }) => message).join("\n")
+      : "computing …";
     draw(["carpet"]);
   }
 

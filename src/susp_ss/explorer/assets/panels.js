@@ -33,7 +33,12 @@ explorer.panels = (() => {
   const lines = (designs, of, style = "") =>
     designs
       .filter(({ results }) => results)
-      .map(({ name, style: design, results }) => ({ key: design + style, style: `line ${design} ${style}`, name: style ? "" : name, ...of(results) }))
+      .map(({ name, style: design, results }) => ({
+        key: design + style,
+        style: `line ${design} ${style}`,
+        name: style ? "" : name,
+        ...of(results),
+      }))
       .filter(({ x, y }) => x && y)
       .reverse();
 
@@ -42,7 +47,9 @@ explorer.panels = (() => {
       const [{ results }] = designs;
       const names = results[part].map((one) => one.output);
       only(panel, names);
-      results[part].forEach((one) => draw(designs, one, (found) => found[part].find(({ output: name }) => name === one.output)));
+      results[part].forEach((one) =>
+        draw(designs, one, (found) => found[part].find(({ output: name }) => name === one.output)),
+      );
     };
   }
 
@@ -58,18 +65,32 @@ explorer.panels = (() => {
       lines: of("magnitude"),
       words: `${output(one.output)} per metre of road over frequency, largest at ${brief(peak)} Hz`,
     });
-    chart("bode", `${one.output}-phase`, "low").draw({ x, y: { label: "phase (°)", every: 90 }, lines: of("phase"), words: `Phase of ${output(one.output)}` });
+    chart("bode", `${one.output}-phase`, "low").draw({
+      x,
+      y: { label: "phase (°)", every: 90 },
+      lines: of("phase"),
+      words: `Phase of ${output(one.output)}`,
+    });
   });
 
   const psd = frequencies("psd", "psd", (designs, one, same) => {
     const { frequency } = designs[0].results;
     const { one: unit, unit: shown } = metric(one.output);
-    const weighted = lines(designs.slice(0, 1), (found) => ({ x: found.frequency, y: same(found)?.weighted, area: true }), "weighted");
+    const weighted = lines(
+      designs.slice(0, 1),
+      (found) => ({ x: found.frequency, y: same(found)?.weighted, area: true }),
+      "weighted",
+    );
     const all = [...weighted, ...lines(designs, (found) => ({ x: found.frequency, y: same(found)?.psd }))];
     const peak = frequency[one.psd.indexOf(Math.max(...one.psd))];
     chart("psd", one.output).draw({
       x: { label: "frequency (Hz)", unit: "Hz", log: true, span: [frequency[0], frequency.at(-1)] },
-      y: { label: `${title(one.output)} (${square(shown)}/Hz)${one.weighting ? `, filled: ${one.weighting}` : ""}`, log: true, one: unit ** 2, decades: 5 },
+      y: {
+        label: `${title(one.output)} (${square(shown)}/Hz)${one.weighting ? `, filled: ${one.weighting}` : ""}`,
+        log: true,
+        one: unit ** 2,
+        decades: 5,
+      },
       lines: all,
       words: `Power spectral density of ${output(one.output)}, largest at ${brief(peak)} Hz`,
     });
@@ -80,15 +101,23 @@ explorer.panels = (() => {
   // Over speed, what is shown over frequency and the first of each metric of the study.
   function speeds(designs, state) {
     const { speeds: found } = designs[0].results;
-    const first = ["bacc", "sws", "dtl"].map((metric) => found.metrics.find(({ name }) => name.split("@")[0] === metric)?.name);
+    const first = ["bacc", "sws", "dtl"].map(
+      (metric) => found.metrics.find(({ name }) => name.split("@")[0] === metric)?.name,
+    );
     const some = found.metrics.filter(({ name }) => first.includes(name) || state.bode.includes(name));
-    only("speeds", some.map(({ name }) => name));
+    only(
+      "speeds",
+      some.map(({ name }) => name),
+    );
     for (const { name, unit } of some) {
       const { one, unit: shown } = metric(name, unit);
       chart("speeds", name, "small").draw({
         x: { label: "speed (m/s)", unit: "m/s", span: [found.speed[0], found.speed.at(-1)] },
         y: { label: `${title(name)} (${shown})`, one },
-        lines: lines(designs, ({ speeds: of }) => ({ x: of.speed, y: of.metrics.find((each) => each.name === name)?.values })),
+        lines: lines(designs, ({ speeds: of }) => ({
+          x: of.speed,
+          y: of.metrics.find((each) => each.name === name)?.values,
+        })),
         at: state.road.speed,
         words: `${output(name)} over speed`,
       });
@@ -97,21 +126,40 @@ explorer.panels = (() => {
 
   function carpet(designs, state, background) {
     const [x, y] = [state.carpet.x, state.carpet.y];
-    const axis = (name) => ({ label: `${title(name)} (${metric(name).unit})`, unit: metric(name).unit, one: metric(name).one });
+    const axis = (name) => ({
+      label: `${title(name)} (${metric(name).unit})`,
+      unit: metric(name).unit,
+      one: metric(name).one,
+    });
     const value = (results, name) => results.metrics.find((each) => each.name === name)?.value ?? null;
-    const points = designs.filter(({ results }) => results).map(({ name, style, results }) => ({ key: style, style: `point ${style}`, name, x: [value(results, x)], y: [value(results, y)] }));
+    const points = designs
+      .filter(({ results }) => results)
+      .map(({ name, style, results }) => ({
+        key: style,
+        style: `point ${style}`,
+        name,
+        x: [value(results, x)],
+        y: [value(results, y)],
+      }));
     const { carpet: grid, front, bound } = background ?? {};
-    const path = (key, found, style = key) => (found ? [{ key, style: `line ${style}`, x: found.map((point) => point[0]), y: found.map((point) => point[1]) }] : []);
+    const path = (key, found, style = key) =>
+      found
+        ? [{ key, style: `line ${style}`, x: found.map((point) => point[0]), y: found.map((point) => point[1]) }]
+        : [];
     const springs = grid?.designs ?? [];
     const dampers = springs.length ? springs[0].map((_, j) => springs.map((row) => row[j])) : [];
-    const mesh = [...springs, ...dampers].flatMap((points, i) => path(`mesh-${i}`, points, i < springs.length ? "mesh" : "mesh dampers"));
+    const mesh = [...springs, ...dampers].flatMap((points, i) =>
+      path(`mesh-${i}`, points, i < springs.length ? "mesh" : "mesh dampers"),
+    );
+    const here = points[0];
+    const [across, up] = [brief(here.x[0] / metric(x).one), brief(here.y[0] / metric(y).one)];
     chart("carpet", "plane", "tall").draw({
       x: axis(x),
       y: axis(y),
       lines: [...mesh, ...path("bound", bound?.points), ...path("front", front?.points)],
-      points: points.reverse(),
+      points: points.reverse(), // Its own place above the others.
       still: true,
-      words: `${output(y)} over ${output(x)}: this design at ${brief(points.at(-1).x[0] / metric(x).one)} and ${brief(points.at(-1).y[0] / metric(y).one)}`,
+      words: `${output(y)} over ${output(x)}: this design at ${across} and ${up}`,
     });
   }
 
@@ -137,8 +185,16 @@ explorer.panels = (() => {
       const { words, picture } = host.cars[i];
       const before = reference?.results?.modes?.[i];
       const moved = before ? change(mode.frequency, before.frequency) : "";
-      words.replaceChildren(html("b", {}, mode.name ?? ""), html("span", {}, `${brief(mode.frequency)} Hz`), html("span", { class: "quiet" }, moved), html("span", {}, `ζ ${mode.damping.toFixed(2)}`));
-      picture.setAttribute("aria-label", `Mode ${i + 1}, ${mode.name ?? ""} ${brief(mode.frequency)} Hz, damping ratio ${mode.damping.toFixed(2)}`);
+      words.replaceChildren(
+        html("b", {}, mode.name ?? ""),
+        html("span", {}, `${brief(mode.frequency)} Hz`),
+        html("span", { class: "quiet" }, moved),
+        html("span", {}, `ζ ${mode.damping.toFixed(2)}`),
+      );
+      picture.setAttribute(
+        "aria-label",
+        `Mode ${i + 1}, ${mode.name ?? ""} ${brief(mode.frequency)} Hz, damping ratio ${mode.damping.toFixed(2)}`,
+      );
     });
     const shapes = results.modes.map((mode) => shaped(mode.shape, places));
     explorer.motion.add(host, (time) => host.cars.forEach(({ car }, i) => car.move(shapes[i](3.5 * time))));
@@ -172,7 +228,12 @@ explorer.panels = (() => {
       const [left, , width] = host.car.box();
       host.road = svg("path", { class: "road" });
       const box = [left - 0.6, -2.15, width + 1.2, 2.5];
-      host.picture = svg("svg", { viewBox: box.join(" "), role: "img", class: "ride", "aria-label": "The car over the bump" }, host.road, host.car.group);
+      host.picture = svg(
+        "svg",
+        { viewBox: box.join(" "), role: "img", class: "ride", "aria-label": "The car over the bump" },
+        host.road,
+        host.car.group,
+      );
       host.ground = ground(state.bump, box, host.car);
       const trace = host.querySelector(".chart") ?? html("div", { id: "chart-ride-trace", class: "chart small" });
       host.replaceChildren(host.picture, trace);

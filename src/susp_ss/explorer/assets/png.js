@@ -14,7 +14,12 @@ explorer.png = async (panel, name) => {
   const { fontFamily, color, backgroundColor } = getComputedStyle(document.body);
   const rules = [...document.styleSheets].filter(({ href }) => href).flatMap(({ cssRules }) => [...cssRules]);
   const style = html("style", {}, rules.map(({ cssText }) => cssText).join("\n"));
-  const page = html("div", { style: `font: 13px/1.35 ${fontFamily}; color: ${color}; background: ${backgroundColor}; height: ${height}px;` }, style, copy);
+  const page = html(
+    "div",
+    { style: `font: 13px/1.35 ${fontFamily}; color: ${color}; background: ${backgroundColor}; height: ${height}px;` },
+    style,
+    copy,
+  );
   const size = { width: 2 * width, height: 2 * height };
   const inside = svg("foreignObject", { width: "100%", height: "100%" }, page);
   const picture = svg("svg", { ...size, viewBox: `0 0 ${width} ${height}` }, inside);

@@ -116,13 +116,33 @@ explorer.state = (() => {
 
   // Without its springs and dampers: what the background of the carpet hangs on.
   function unsprung(state) {
-    const own = rows(state.model).filter(({ table, group }) => table === "vehicle" && ["springs", "dampers"].includes(group));
+    const own = rows(state.model).filter(
+      ({ table, group }) => table === "vehicle" && ["springs", "dampers"].includes(group),
+    );
     const vehicle = Object.entries(state.vehicle).filter(([name]) => !own.some(({ key }) => key === name));
     return { ...state, vehicle: Object.fromEntries(vehicle) };
   }
 
   const load = (document) => (table = document);
-  return { PINS: 4, load, models, rows, usual, own, optional, get, put, begin, write, read, wrong, design, pinned, unsprung, changed };
+  return {
+    PINS: 4,
+    load,
+    models,
+    rows,
+    usual,
+    own,
+    optional,
+    get,
+    put,
+    begin,
+    write,
+    read,
+    wrong,
+    design,
+    pinned,
+    unsprung,
+    changed,
+  };
 })();
 
 // Each step back is one of the browser's own: Back and Forward, Undo and Redo are the same.
@@ -131,7 +151,9 @@ explorer.steps = (() => {
   const TOGETHER = 800; // ms within which further moves of one slider are the same step.
 
   let at = history.state?.step ?? 0;
-  let last = Math.max(at, Number(sessionStorage.getItem("steps")));
+  // A page that is loaded again, or come back to, still has the steps after it.
+  const [{ type }] = performance.getEntriesByType("navigation");
+  let last = type === "navigate" ? at : Math.max(at, Number(sessionStorage.getItem("steps")));
   let moving = { name: null, until: 0 };
   let waiting = null;
   let newest = "";

@@ -14,7 +14,11 @@ explorer.tables = (() => {
     const key = JSON.stringify([columns, rows.map((row) => [row.group, row.name])]);
     if (body(name).dataset.shown !== key) {
       body(name).dataset.shown = key;
-      const head = html("tr", {}, ...columns.map(({ text, style = "", title }) => html("th", { scope: "col", class: style, title }, text)));
+      const head = html(
+        "tr",
+        {},
+        ...columns.map(({ text, style = "", title }) => html("th", { scope: "col", class: style, title }, text)),
+      );
       const filled = [];
       const groups = [];
       let group = null;
@@ -22,10 +26,19 @@ explorer.tables = (() => {
         if (row.group !== group) {
           group = row.group;
           if (!group) groups.push(html("tbody"));
-          else groups.push(html("tbody", {}, html("tr", { class: "group" }, html("th", { colspan: columns.length, scope: "rowgroup" }, group))));
+          else
+            groups.push(
+              html(
+                "tbody",
+                {},
+                html("tr", { class: "group" }, html("th", { colspan: columns.length, scope: "rowgroup" }, group)),
+              ),
+            );
         }
         const own = columns.slice(1).map(({ style = "" }) => html("td", { class: style }));
-        groups.at(-1).append(html("tr", { class: row.alone && "alone" }, html("th", { scope: "row" }, row.name), ...own));
+        groups
+          .at(-1)
+          .append(html("tr", { class: row.alone && "alone" }, html("th", { scope: "row" }, row.name), ...own));
         if (row.note !== undefined) {
           own.push(html("td", { colspan: columns.length }));
           groups.at(-1).append(html("tr", { class: "note" }, own.at(-1)));
@@ -57,9 +70,15 @@ explorer.tables = (() => {
       { text: "" },
       { text: "now", style: "now" },
       { text: `vs ${others[0].name}`, style: "change", title: "Change against the reference" },
-      ...others.map(({ name, style }, i) => ({ text: name, style: `pin ${style}`, title: i ? `Design ${name}` : `Design ${name}, the reference` })),
+      ...others.map(({ name, style }, i) => ({
+        text: name,
+        style: `pin ${style}`,
+        title: i ? `Design ${name}` : `Design ${name}, the reference`,
+      })),
     ];
-    const found = others.map(({ results }) => new Map((results?.metrics ?? []).map(({ name, value }) => [name, value])));
+    const found = others.map(
+      ({ results }) => new Map((results?.metrics ?? []).map(({ name, value }) => [name, value])),
+    );
     const rows = now.results.metrics.map(({ name, label, unit, value }) => {
       const [quantity, place] = name.split("@");
       const { one, unit: shown } = metric(name, unit);
@@ -76,23 +95,36 @@ explorer.tables = (() => {
 
   function comfort(designs) {
     const [{ results }, reference] = designs;
-    const columns = ["m/s²", "vertical", "roll", "pitch", "total", `vs ${reference.name}`].map((text, i) => ({ text, style: { 4: "now", 5: "change" }[i] }));
+    const columns = ["m/s²", "vertical", "roll", "pitch", "total", `vs ${reference.name}`].map((text, i) => ({
+      text,
+      style: { 4: "now", 5: "change" }[i],
+    }));
     const before = new Map((reference.results?.comfort ?? []).map(({ point, total }) => [point, total]));
     const rows = results.comfort.map(({ point, wz, wroll, wpitch, total, words }) => ({
       name: point ? explorer.words.placed(point) : "body",
-      values: [...[wz, wroll, wpitch, total].map((value) => value?.toFixed(3) ?? brief(value)), changed(total, before.get(point))],
+      values: [
+        ...[wz, wroll, wpitch, total].map((value) => value?.toFixed(3) ?? brief(value)),
+        changed(total, before.get(point)),
+      ],
       note: words,
     }));
     table("comfort", "Weighted comfort", columns, rows);
   }
 
   function surrogates([{ results }]) {
-    const columns = ["", "predicted", "from", "to", "exact", "error", ""].map((text, i) => ({ text, style: { 1: "now", 6: "text" }[i] }));
+    const columns = ["", "predicted", "from", "to", "exact", "error", ""].map((text, i) => ({
+      text,
+      style: { 1: "now", 6: "text" }[i],
+    }));
     const rows = results.surrogates.map(({ surrogate, output, unit, value, low, high, exact }) => {
       const { one, unit: shown } = metric(output, unit);
       const text = (some) => brief(some === null ? null : some / one);
       const within = low === null ? "" : exact >= low && exact <= high ? "within" : "outside";
-      return { group: surrogate, name: `${explorer.words.output(output)} (${shown})`, values: [text(value), text(low), text(high), text(exact), change(value, exact), within] };
+      return {
+        group: surrogate,
+        name: `${explorer.words.output(output)} (${shown})`,
+        values: [text(value), text(low), text(high), text(exact), change(value, exact), within],
+      };
     });
     table("surrogates", "Surrogates", columns, rows);
   }
