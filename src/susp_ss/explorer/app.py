@@ -23,7 +23,7 @@ ICON = (
 )
 
 
-def application(given: Given = NOTHING) -> dash.Dash:
+def application(given: Given = NOTHING, served: bool = True) -> dash.Dash:
     """The page: what it holds is `layout`, what it shows is `compute`.
 
     Its stores are ``state``, which the page's scripts write, and ``results``, which is `compute` of it; ``conditions``,
@@ -33,6 +33,8 @@ def application(given: Given = NOTHING) -> dash.Dash:
     ----------
     given : Given
         What the explorer was started with.
+    served : bool
+        Whether a server answers; without one, the functions of `javascript.engine` do, and there are no files.
 
     Raises
     ------
@@ -44,8 +46,9 @@ def application(given: Given = NOTHING) -> dash.Dash:
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False)
     app.index_string = app.index_string.replace("{%favicon%}", ICON)
-    offer(app.server, given)
-    app.layout = layout(given)
+    if served:
+        offer(app.server, given)
+    app.layout = layout(given, files=served)
 
     def script(function: str, store: str) -> None:
         app.clientside_callback(dash.ClientsideFunction("explorer", function), dash.Input(store, "data"))
@@ -53,6 +56,13 @@ def application(given: Given = NOTHING) -> dash.Dash:
     script("start", "table")
     script("answered", "results")
     script("answeredSlowly", "background")
+
+    if not served:
+        for function, store, question in (("compute", "results", "state"), ("background", "background", "conditions")):
+            answers = dash.ClientsideFunction("engine", function)
+            asked = dash.Output(store, "data"), dash.Input(question, "data")
+            app.clientside_callback(answers, *asked, prevent_initial_call=True)
+        return app
 
     @app.callback(dash.Output("results", "data"), dash.Input("state", "data"), prevent_initial_call=True)
     def answer(state: Any) -> Any:

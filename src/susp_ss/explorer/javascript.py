@@ -27,11 +27,12 @@ from ..roads.road import REFERENCE_WAVENUMBER, TRACKS, Road
 from ..vehicles.second_order import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion
+from .background import DESIGN, FACTORS
 from .compute import SPEEDS
 from .motion import motion_of
 from .rows import at_places, existing, named
 from .seat import seated
-from .spectra import frequencies
+from .spectra import FREQUENCIES
 from .state import NOTHING
 from .symbols import Lines
 from .table import Choice, Number
@@ -58,7 +59,7 @@ def assembled(vehicle: Vehicle) -> str:
         each = {wheel: lines.given(f"p.{signal(field, wheel)}") for wheel in kind.wheels}
         value = joined(each) if field in kind.per_corner else lines.given(f"p.{field}")
         object.__setattr__(car, field, value)
-    model = car.linkage().assemble()
+    model: Any = car.linkage().assemble()
     _, _, Y, _, _ = form_with_positions(model, car)
     n, rows = len(model.layout.coordinates), [row for row, _ in placed(vehicle)]
     parts = {name: getattr(model, name) for name in MATRICES}
@@ -76,7 +77,7 @@ def placed(vehicle: Vehicle) -> list[tuple[int, list[str]]]:
 
 
 def excitations(vehicle: Vehicle) -> dict[str, Any]:
-    """How the tracks of a road reach a vehicle: for each kind of tracks the processes, met by one axle after another."""
+    """How a road reaches a vehicle: for each kind of tracks the processes, met by one axle after another."""
     model, found = vehicle.assemble(), dict[str, Any]()
     for tracks in TRACKS:
         found[tracks] = []
@@ -104,11 +105,11 @@ def surface(sign: int, waviness: float) -> dict[str, Any]:
 
 
 def weighting(name: str) -> dict[str, Any]:
-    """A frequency weighting: its square as first-order terms, and at `frequencies`."""
+    """A frequency weighting: its square as first-order terms, and at the frequencies of spectra."""
     one = filter_of(name, name)
     level, alphas, low, _ = one.colours
     parts = np.stack([alphas[0].real, alphas[0].imag, low[0].real, low[0].imag], axis=-1)
-    power = one.power(2.0 * np.pi * frequencies())
+    power = one.power(2.0 * np.pi * np.geomspace(*FREQUENCIES))
     return {"level": level.item(), "terms": parts.tolist(), "power": power.tolist()}
 
 
@@ -138,7 +139,7 @@ def described(vehicle: Vehicle, asked: tuple[str, ...]) -> dict[str, Any]:
         "inputs": layout.inputs,
         "corners": list(vehicle.wheels),
         "axles": [wheel.axle for wheel in vehicle.wheels.values()],
-        "coordinates": [dict(zip(("motion", "at"), motion_of(vehicle, name), strict=True)) for name in layout.coordinates],
+        "coordinates": [{"motion": word, "at": at} for word, at in (motion_of(vehicle, q) for q in layout.coordinates)],
         "placed": [{"at": at} for _, at in placed(vehicle)],
     }
 
@@ -158,34 +159,47 @@ def _output(name: str, layout: Any, public: Any) -> dict[str, Any]:
 
 def settings(name: str, vehicle: Vehicle) -> dict[str, list[str]]:
     """The parameters, at every wheel, that each number of a state of a model sets."""
-    found = {}
-    for row in NOTHING.tables[name]:
-        if isinstance(row, Number) and row.table == "vehicle":
-            field, wheels = vehicle.settings()[row.key]
-            found[row.key] = [signal(field, w) for w in wheels] if field in vehicle.per_corner else [field]
-    return found
+    known = {row.key: vehicle.settings()[row.key] for row in numbers(name, "vehicle")}
+    return {
+        key: [signal(field, wheel) for wheel in wheels] if field in vehicle.per_corner else [field]
+        for key, (field, wheels) in known.items()
+    }
 
 
 def model(name: str) -> str:
-    """A model, with a seat and without, as entries of an object of JavaScript."""
-    bare = NOTHING.models[name]
-    seat = {row.key: row.default for row in NOTHING.tables[name] if isinstance(row, Number) and row.table == "seat"}
+    """A model, without a seat and with one, as entries of an object of JavaScript."""
+    bare: Any = NOTHING.models[name]
+    seat = {row.key: row.default for row in numbers(name, "seat")}
     known = settings(name, bare)
-    occupied = seated(bare, seat)
     asked = next(row for row in NOTHING.tables[name] if isinstance(row, Choice) and row.name == "bode")
     alone = tuple(output for output in asked.options if output not in asked.seated)
+    occupied = seated(bare, seat)
     more = [field for field in type(occupied).quantities() if field not in type(bare).quantities()]
     of_seat = {f"seat.{key}": [next(field for field in more if field.startswith(f"seat_{key}"))] for key in seat}
-    entries = ((name, bare, known, alone), (f"{name}, seated", occupied, known | of_seat, asked.options))
+
+    def entry(key: str, car: Vehicle, own: dict[str, list[str]], outputs: tuple[str, ...]) -> str:
+        data = json.dumps(described(car, outputs) | {"settings": own})
+        return f"{json.dumps(key)}: {{ ...{data},\nassemble: {assembled(car)} }}"
+
     return ",\n".join(
-        f"{json.dumps(key)}: {{ ...{json.dumps(described(car, outputs) | {'settings': own})},\nassemble: {assembled(car)} }}"
-        for key, car, own, outputs in entries
+        [entry(name, bare, known, alone), entry(f"{name}, seated", occupied, known | of_seat, asked.options)]
     )
+
+
+def numbers(name: str, table: str) -> list[Number]:
+    """What the page may set of a table of a model's states."""
+    return [row for row in NOTHING.tables[name] if isinstance(row, Number) and row.table == table]
+
+
+def designs(name: str) -> list[dict[str, Any]]:
+    """Springs and dampers of a model as the page begins with them."""
+    rows = [row for row in numbers(name, "vehicle") if row.group in DESIGN]
+    return [{"key": row.key, "group": row.group, "value": row.default} for row in rows]
 
 
 def wavinesses() -> list[float]:
     """Those that the slider of the road's waviness stops at."""
-    row = next(row for row in NOTHING.tables[MODELS[0]] if row.name == "waviness")
+    row = next(row for row in numbers(MODELS[0], "road") if row.key == "waviness")
     steps = round((row.most - row.least) / row.step)
     return [round(row.least + i * row.step, 9) for i in range(steps + 1)]
 
@@ -205,7 +219,8 @@ def drifting() -> str:
 def engine() -> str:
     """The engine as a script.
 
-    It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does.
+    It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does,
+    ``background`` the carpet as `susp_ss.explorer.background.background` does; ``metrics`` are the numbers alone.
     """
     grid = wavinesses()
     step = inspect.signature(obstacle).parameters["step"].default
@@ -214,17 +229,20 @@ def engine() -> str:
         "SPLIT": SPLIT,
         "REFERENCE_WAVENUMBER": REFERENCE_WAVENUMBER,
         "SPEEDS": SPEEDS.tolist(),
-        "FREQUENCIES": frequencies().tolist(),
+        "FREQUENCIES": np.geomspace(*FREQUENCIES).tolist(),
         "SURFACES": {str(sign): {f"{w:g}": surface(sign, w) for w in grid} for sign in (0, 1, -1)},
         "GAMMA": {f"{w:g}": float(gamma(0.5 * w)) for w in grid},
         "AXES": {name: axis._asdict() for name, axis in AXES.items()},
         "WEIGHTINGS": {axis.weighting: weighting(axis.weighting) for axis in AXES.values()},
         "REACTIONS": REACTIONS,
+        "FACTORS": FACTORS.tolist(),
+        "DESIGNS": {name: designs(name) for name in MODELS},
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
         | {"spacing": step},
         "WORDS": {
+            "background": "the Pareto front and what a controller could do are computed by susp-ss explore",
             "drifting": drifting(),
-            "waviness": f"waviness on this page is one of {', '.join(f'{w:g}' for w in grid)}; susp-ss explore takes any",
+            "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },
     }
     given = "\n".join(f"const {name} = {json.dumps(value)};" for name, value in constants.items())
@@ -232,5 +250,5 @@ def engine() -> str:
     sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
     return (
         f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
-        "(globalThis.dash_clientside ??= {}).engine = { compute };\n})();\n"
+        "(globalThis.dash_clientside ??= {}).engine = { compute, background, metrics };\n})();\n"
     )

@@ -44,11 +44,11 @@ DOWNLOADS = {
 """Kinds of files: word on the button and what it is."""
 
 
-def layout(given: Given) -> Any:
+def layout(given: Given, files: bool = True) -> Any:
     """The page: the stores ``state``, ``results``, ``conditions`` and ``background``, and what scripts fill.
 
     Scripts write ``state`` and ``conditions``; `compute` of the one is ``results``, `background` of the other
-    ``background``.
+    ``background``. ``files`` are there to download.
     """
     from dash import dcc, html
 
@@ -59,7 +59,7 @@ def layout(given: Given) -> Any:
             dcc.Store(id="conditions"),
             dcc.Store(id="background"),
             dcc.Store(id="table", data=given.document() | {"words": _words(given)}),
-            html.Header(_header(), id="head"),
+            html.Header(_header(files), id="head"),
             html.Ul(id="errors", role="alert"),
             html.Aside([html.Div(id="sliders")], id="controls", **_aria(label="Sliders")),
             html.Main(
@@ -73,20 +73,21 @@ def layout(given: Given) -> Any:
     )
 
 
-def _header() -> list[Any]:
+def _header(files: bool) -> list[Any]:
     from dash import html
 
     def button(name: str, text: str, words: str) -> Any:
         return html.Button(text, id=name, type="button", title=words, **_aria(label=words))
 
-    files = [button(f"download-{kind}", text, f"Download: {words}") for kind, (text, words) in DOWNLOADS.items()]
+    kinds = [button(f"download-{kind}", text, f"Download: {words}") for kind, (text, words) in DOWNLOADS.items()]
+    downloads = html.Div([html.Span("Download", className="quiet"), *kinds], id="downloads")
     return [
         html.H1("susp_ss explorer"),
         html.Label(["Model", html.Span(id="models")]),
         html.Div([button("undo", "Undo", "Undo (Ctrl+Z)"), button("redo", "Redo", "Redo (Ctrl+Shift+Z)")]),
         html.Div([button("pin", "Pin design", "Pin this design and compare others with it")]),
         html.Ul(id="pins", **_aria(label="Pinned designs")),
-        html.Div([html.Span("Download", className="quiet"), *files], id="downloads"),
+        *([downloads] if files else []),
     ]
 
 

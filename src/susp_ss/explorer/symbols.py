@@ -72,7 +72,7 @@ class Symbol:
         if operator == "+" and isinstance(one, Real) and one == 0:
             return two
         if operator == "*" and isinstance(other, Real) and other in (-1, 0, 1):
-            return {-1: -self, 0: 0.0, 1: self}[int(other)]
+            return (0.0, self, -self)[round(float(other))]
         return self.lines.computed(f"{written(one)} {operator} {written(two)}", one, two)
 
     def __add__(self, other: Any) -> Any:

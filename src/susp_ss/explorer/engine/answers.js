@@ -9,6 +9,8 @@ function carOf({ model, vehicle, seat }) {
   return new Car(kind, parameters);
 }
 
+const metrics = (state) => carOf(state).metrics(state.road);
+
 // JSON has no infinity.
 const finite = (value) => (Number.isFinite(value) ? value : null);
 
@@ -64,4 +66,24 @@ function compute(state) {
   if (!why) Object.assign(found, overSpeed(car, road), { comfort: comfort(car, road) });
   if (road.waviness in GAMMA) Object.assign(found, overFrequency(car, road, state.bode));
   return Object.assign(found, { modes: modes(car), bump: bump(car, state.bump) });
+}
+
+// Two metrics for every combination of springs and dampers about the model's own, as susp_ss.explorer.background has them.
+function background(state) {
+  const own = DESIGNS[state.model], { road } = state, errors = [{ parameter: "", message: WORDS.background }];
+  const bare = carOf(state), why = refused(bare, road);
+  if (why) return { errors: [{ parameter: "", message: why }] };
+  const named = (name) => bare.measured.findIndex((one) => one.name === name || one.name.startsWith(`${name}@`));
+  const [x, y] = [named(state.carpet.x), named(state.carpet.y)];
+  const designs = FACTORS.map((ks) => FACTORS.map((cs) => {
+    const by = { springs: ks, dampers: cs };
+    const scaled = Object.fromEntries(own.map(({ key, group, value }) => [key, value * by[group]]));
+    const found = carOf({ ...state, vehicle: { ...state.vehicle, ...scaled } }).metrics(road);
+    return [found[x], found[y]];
+  }));
+  const names = { x: bare.measured[x].name, y: bare.measured[y].name };
+  if (!designs.flat(2).every(Number.isFinite)) {
+    return { errors: [{ parameter: "", message: `a carpet of ${names.x} and ${names.y} is infinite on this road` }] };
+  }
+  return { carpet: { ...names, ks: FACTORS, cs: FACTORS, designs }, errors };
 }

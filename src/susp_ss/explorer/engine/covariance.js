@@ -4,10 +4,19 @@
 // Of the size of its terms, what a sum that cancels leaves.
 const ROUNDING = 1e-13;
 
+// Modes that a change of their size moves by more than this are too nearly one to keep digits; dampers are then taken as
+// other by a ten-millionth.
+const PARALLEL = 1e4, ASIDE = 1e-7;
+
 // p' = v + ..., v' = -K p - C v + ..., K and C symmetric; vectors hold the positions before the velocities. Modes are
 // those that creep and one of each pair that swings, with their eigenvalues `rates` and `shapes` of the positions; `W`
 // takes vectors to their amplitudes. Real vectors are made of them and, for the `swinging`, of their conjugates.
 class Dynamics {
+  static of(K, C) {
+    const own = new Dynamics(K, C);
+    return own.condition < PARALLEL ? own : new Dynamics(K, divided(C, 1 - ASIDE));
+  }
+
   constructor(K, C) {
     const n = K.length, unit = Math.sqrt(sum(K.map((row, i) => row[i])) / n);
     Object.assign(this, { n, K: divided(K, unit ** 2), C: divided(C, unit) });
@@ -26,7 +35,10 @@ class Dynamics {
     this.counted = modes.map(({ rate }) => (creeping(rate) ? 1 : 2));
     const all = this.whole(this.rates), V = A.map((_, i) => this.whole(this.shapes.map((shape) => shape[i % n]))
       .map((one, k) => (i < n ? one : product(all[k], one))));
+    const sizes = this.rates.map((_, k) => sum(V.map((row, i) => (i < n ? unit : 1) * modulus(row[k]))));
     this.W = solve(V, V.map((row, i) => row.map((_, j) => complex(i === j ? 1 : 0)))).slice(0, modes.length);
+    const seen = this.W.map((row) => sum(row.map((one, i) => modulus(one) / (i < n ? unit : 1))));
+    this.condition = Math.max(...seen.map((one, k) => one * sizes[k])) / (2 * n);
   }
 
   // What is known of each mode, and of the conjugates.
@@ -49,7 +61,7 @@ class Dynamics {
     const { n, K, C } = this, aside = scaled(rate, 1 + 1e-9), square = product(aside, aside);
     const applied = (M, x) => x.map((_, i) => x.reduce((total, one, j) => plus(total, scaled(one, M[i][j])), complex(0)));
     const form = (x, y) => x.reduce((total, one, i) => plus(total, product(one, y[i])), complex(0));
-    let shape = Array.from({ length: n }, (_, i) => complex(Math.cos(1 + i * (at + 1)), Math.sin(2 + i + at)));
+    let shape = Array.from({ length: n }, (_, i) => complex(Math.cos(1 + i * i + i * at)));
     for (let round = 0; round < 3; round++) {
       const D = K.map((row, i) => Array.from(row, (k, j) => {
         const free = complex(k + C[i][j] * aside.re, C[i][j] * aside.im);

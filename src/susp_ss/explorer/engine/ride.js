@@ -60,7 +60,7 @@ class Car {
     Object.assign(this, MODELS[model], MODELS[model].assemble(parameters));
     const root = Float64Array.from(this.m, Math.sqrt);
     const normalised = (A) => A.map((row, i) => Float64Array.from(row, (one, j) => one / (root[i] * root[j])));
-    this.dynamics = new Dynamics(normalised(this.K), normalised(this.C));
+    this.dynamics = Dynamics.of(normalised(this.K), normalised(this.C));
     const { rates, shapes } = this.dynamics;
     this.shapes = shapes.map((shape) => shape.map((one, i) => scaled(one, 1 / root[i])));
     // By the rates of the heights under the wheels, into positions relative to the road and velocities.
