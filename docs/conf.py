@@ -23,6 +23,7 @@ extensions = [
     "myst_nb",
     "command_line",
     "examples",
+    "explorer",
     "lessons",
     "mathml",
     "references",
@@ -98,5 +99,5 @@ html_theme_options = {
     "footer_end": [],
 }
 # Pages without others below them.
-ALONE = ("index", "start", "command-line", "limits", "benchmarks", "cite", "changelog")
+ALONE = ("index", "start", "explorer", "command-line", "limits", "benchmarks", "cite", "changelog")
 html_sidebars = {page: [] for page in ALONE}

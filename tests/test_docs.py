@@ -10,6 +10,9 @@ import pytest
 
 import susp_ss as ss
 from susp_ss.cli import app
+from susp_ss.explorer.javascript import MODELS
+from susp_ss.explorer.state import NOTHING
+from susp_ss.roads.road import DEFAULT_ROAD
 from test_layout import ROOMS
 from test_layout import ROOT as PACKAGE
 
@@ -57,6 +60,7 @@ PAGES = (
     "api/generated/susp_ss.FullCar.html",
     "api/generated/susp_ss.ride_metrics.html",
     "command-line.html",
+    "explorer.html",
     "architecture.html",
 )
 
@@ -102,3 +106,31 @@ def test_the_command_line_is_all_there(opened, site):
 def test_links_lead_to_other_libraries(opened, site):
     tab = opened(site / "api/generated/susp_ss.ride_metrics.html")
     assert tab.locator("a[href='https://docs.xarray.dev/en/stable/generated/xarray.Dataset.html']").count()
+
+
+def test_the_explorer_answers_without_a_server(opened, site):
+    tab = opened(site / "explorer.html")
+    tab.get_by_role("link", name="Open the explorer").click()
+    rest = "#panels[aria-busy=false]"
+    tab.wait_for_selector(rest)
+    for _ in range(5):
+        tab.locator("input[type=range][name=ks_front]").press("ArrowRight")
+    tab.wait_for_selector(rest)
+    (row,) = (row for row in NOTHING.tables["full"] if row.name == "ks_front")
+    metrics = ss.ride_metrics(ss.FullCar().replaced(ks_front=row.default + 5 * row.step), DEFAULT_ROAD)
+    rows = tab.locator("#metrics tr").filter(has_text="front right").all_inner_texts()
+    shown = [float(row.split("\t")[1]) for row in rows[:3]]
+    values = [float(metrics.bacc.sel(point="fr")), *(float(metrics[name].sel(corner="fr")) for name in ("sws", "dtl"))]
+    assert shown == [float(f"{value * by:.3g}") for value, by in zip(values, (1.0, 1e3, 1e-3), strict=True)]
+    tab.goto(f"{tab.url.partition('?')[0]}?ks_front=fast")
+    tab.wait_for_selector("#errors:has-text('ks_front must be a number')")
+
+
+def test_the_explorer_shows_every_model_without_a_server(opened, site):
+    tab = opened(site / "explorer/index.html")
+    for model in MODELS:
+        tab.goto(f"{(site / 'explorer/index.html').as_uri()}?model={model}")
+        tab.wait_for_selector("#panels[aria-busy=false]")
+        assert tab.locator("#metrics tr").count() > 4
+        assert tab.locator("#errors").inner_text() == ""
+        assert tab.evaluate("document.documentElement.scrollWidth") <= 1000

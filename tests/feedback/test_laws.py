@@ -6,6 +6,7 @@ import pytest
 import xarray as xr
 
 import susp_ss as ss
+from susp_ss.feedback.tuning import Dampers, remade
 
 ROAD = ss.Road()
 CAR = ss.QuarterCar(cs=900.0)
@@ -76,27 +77,95 @@ def test_the_estimator_written_out():
         assert float(again[name]) == pytest.approx(float(law.metrics[name]), rel=1e-7)
 
 
-@pytest.mark.parametrize("law", ["lqr", "hybrid", "bound"])
-def test_a_closed_loop_stands_wherever_a_vehicle_may(law):
-    car, road = ss.FullCar(), ss.DEFAULT_ROAD
-    if law == "lqr":
-        made = ss.lqr(car, road, {"bacc": 1.0, "sws": 1e3, "force": 1e-7})
-    elif law == "hybrid":
-        made = ss.hybrid(car, road, 1500.0, 300.0, lag=0.005)
-    else:
-        road = ss.Road(tracks="isotropic", delay=False)
-        made = ss.active_bound(car, ss.Road(tracks="independent", delay=False), "bacc@cg", {"sws": 0.006, "dtl": 450.0})
-    exact = ss.ride_metrics(made.closed, road)
-    spectral = ss.ride_metrics(made.closed, road, method="spectral")
-    np.testing.assert_allclose(spectral.bacc, exact.bacc, rtol=2e-3)
-    np.testing.assert_allclose(spectral.force, exact.force, rtol=2e-3)
-    response = ss.frequency_response(made.closed, np.array([0.5, 1.5, 10.0]))
+PLAIN = ss.Road(tracks="isotropic")
+COSTS = {"bacc": 1.0, "sws": 1e3, "force": 1e-7}
+
+
+def robust(car):
+    """H-infinity control of the body's acceleration above the wheels, from accelerometers there."""
+    system = car.state_space(input="velocity", actuators=True)
+    felt = [system.output_labels.index(f"bacc_{corner}") for corner in car.wheels]
+    # No force moves the warp of the road.
+    n, moved = len(felt), slice(system.nstates - car.layout().warps)
+    C, D = system.C[felt, moved], system.D[felt][:, n:]
+    road, push = 0.1 * system.B[moved, :n], system.B[moved, n:]
+    nothing, eye = np.zeros((n, n)), np.eye(n)
+    plant = ct.ss(
+        system.A[moved, moved],
+        np.hstack([road, 0.0 * road, push]),
+        np.vstack([C, 0.0 * C, C]),
+        np.block([[nothing, nothing, D], [nothing, nothing, 1e-3 * eye], [nothing, 0.05 * eye, D]]),
+        inputs=[*(f"w{i}" for i in range(2 * n)), *system.input_labels[n:]],
+        outputs=[*(f"z{i}" for i in range(2 * n)), *(f"bacc_{corner}" for corner in car.wheels)],
+    )
+    return ss.h_infinity(plant, [f"bacc_{corner}" for corner in car.wheels], system.input_labels[n:])
+
+
+LAWS = {
+    "lqr": lambda car: ss.lqr(car, PLAIN, COSTS),
+    "lqg": lambda car: ss.lqg(car, PLAIN, COSTS, {"bacc@cg": 0.01, "sws": 1e-3}),
+    "skyhook": lambda car: ss.skyhook(car, PLAIN, 1500.0),
+    "groundhook": lambda car: ss.groundhook(car, PLAIN, 400.0),
+    "hybrid": lambda car: ss.hybrid(car, PLAIN, 1500.0, 300.0, lag=0.005),
+    "bound": lambda car: ss.active_bound(
+        car, ss.Road(tracks="independent", delay=False), "bacc@cg", {"sws": 0.006, "dtl": 450.0, "force": 300.0}
+    ),
+    "h_infinity": lambda car: robust(car).on(car, PLAIN),
+}
+
+
+@pytest.mark.parametrize("kind", LAWS)
+@pytest.mark.parametrize("car", [ss.PitchHalfCar(), ss.FullCar()], ids=lambda car: type(car).__name__)
+def test_a_closed_loop_stands_wherever_a_vehicle_may(car, kind):
+    law = LAWS[kind](car)
+    loop = law.closed
+    assert isinstance(loop, ss.LinearVehicle)
+    exact, spectral = (ss.ride_metrics(loop, PLAIN, method=method) for method in ("covariance", "spectral"))
+    for name in ("bacc", "sws", "dtl", "force", "damper_power"):
+        np.testing.assert_allclose(spectral[name], exact[name], rtol=2e-3)
+
+    assert (loop.modes().damping_ratio > 0.0).all()
+    response = ss.frequency_response(loop, np.array([0.5, 1.5, 10.0]))
     assert np.isfinite(response).all()
+    assert ss.plots.bode({"loop": response.isel(input=0).sel(output=["bacc_cg"])}).axes
+
     time = np.linspace(0.0, 0.5, 251)
-    heights = xr.DataArray(0.01 * np.sin(20.0 * time), dims="time", coords={"time": time})
-    flat = dict.fromkeys(("fr", "fl", "rr", "rl"), heights.values)
-    history = ss.simulate(made.closed, flat, time)
-    assert np.isfinite(history.bacc).all()
+    flat = dict.fromkeys(car.wheels, 0.01 * np.sin(20.0 * time))
+    assert np.isfinite(ss.simulate(loop, flat, time).bacc).all()
+    ride = ss.comfort(loop, PLAIN)
+    weighted = ss.ride_metrics(loop, PLAIN, weighting="Wk")
+    np.testing.assert_allclose(ride.metrics.bacc, weighted.bacc, rtol=1e-9)
+
+
+def test_modes_of_a_loop_are_those_of_its_state_space():
+    """A skyhook on a quarter car, written out: eigenvalues, and eigenvectors in the vehicle's own states."""
+    law = ss.skyhook(CAR, ROAD, 1500.0)
+    system = CAR.state_space(input="velocity", actuators=True)
+    k = np.array([[-1500.0 if name == "dz_s" else 0.0 for name in system.state_labels]])
+    A = system.A + system.B[:, [1]] @ k
+    modes = law.closed.modes()
+    assert len(modes) == 2
+    for _, mode in modes.iterrows():
+        pole = 2.0 * np.pi * mode.frequency * complex(-mode.damping_ratio, np.sqrt(1.0 - mode.damping_ratio**2))
+        assert list(mode["shape"].index) == system.state_labels
+        np.testing.assert_allclose(A @ mode["shape"], pole * mode["shape"], atol=1e-9 * np.linalg.norm(A))
+
+
+def test_a_controller_is_closed_around_a_vehicle_by_names():
+    """Loops by python-control's interconnection, and signals that the vehicle does not have."""
+    car = ss.PitchHalfCar()
+    found = robust(car)
+    law = found.on(car, ROAD)
+    system = car.state_space(input="velocity", actuators=True)
+    loop = ct.interconnect([system, found.controller], inputs=["dz_r_f", "dz_r_r"], outputs=system.output_labels)
+    again = ss.ride_metrics(ss.LinearVehicle(loop, like=car), ROAD)
+    for name in again:
+        np.testing.assert_allclose(law.metrics[name], again[name], rtol=1e-7)
+    assert (law.metrics.bacc < law.passive.bacc).all()
+    with pytest.raises(ValueError, match="the controller measures 'bacc_f', none of the vehicle's outputs"):
+        found.on(ss.FullCar(), ROAD)
+    with pytest.raises(TypeError, match="vehicle must be one of"):
+        found.on(None, ROAD)
 
 
 def test_a_loop_far_faster_than_its_filter_is_parted():
@@ -119,6 +188,59 @@ def test_tuning_finds_the_best_of_a_grid():
     assert repr(best).startswith("skyhook, gain ")
 
 
+UNEQUAL = ss.FullCar(cs=ss.Corners.axles(front=900.0, rear=1100.0))
+
+
+@pytest.mark.parametrize(
+    ("law", "at"),
+    [
+        (
+            ss.hybrid(UNEQUAL, PLAIN, 1500.0, 300.0),
+            {"sky": 1700.0, "ground": 200.0, "cs_front": 1000.0, "cs_rr": 1200.0},
+        ),
+        (
+            ss.hybrid(UNEQUAL, ss.Road(tracks="independent"), 1500.0, 300.0, lag=0.01, weighting="Wk"),
+            {"sky": 1700.0, "lag": 0.008, "cs_rear": 1000.0},
+        ),
+        (ss.groundhook(CAR, ROAD, 300.0, lag=0.01), {"gain": 400.0, "cs": 1000.0}),
+    ],
+    ids=lambda case: getattr(case, "kind", ""),
+)
+def test_slopes_of_a_law_are_the_limits_of_differences(law, at):
+    """What a search is told of each number, by values and slopes, is what the law itself gives, made anew."""
+    metrics = [name for name in law.table().index if name.partition("@")[0] in ("bacc", "sws", "dtl", "force")]
+    made, exact = remade(law, list(at)), Dampers.of(law, list(at), metrics)
+
+    def measured(**numbers):
+        found = made(**at | numbers)
+        return np.array([found.value(name) for name in metrics])
+
+    np.testing.assert_allclose(exact.values(at), measured(), rtol=1e-9)
+    expected = [
+        (measured(**{name: 1.0001 * x}) - measured(**{name: 0.9999 * x})) / (2e-4 * x) for name, x in at.items()
+    ]
+    np.testing.assert_allclose(
+        exact.slopes(at, exact.values(at)).T, expected, rtol=1e-5, atol=1e-7 * np.abs(expected).max()
+    )
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.01])
+def test_tuning_by_exact_slopes_comes_where_differences_do(lag):
+    start, limits = {"sky": 1500.0, "ground": 300.0, "cs": 900.0}, {"dtl": 420.0}
+    exact = ss.tuned(ss.hybrid(CAR, ROAD, 1500.0, 300.0, lag=lag), start, "bacc", limits)
+
+    def law(sky, ground, cs):
+        return ss.hybrid(ss.QuarterCar(cs=cs), ROAD, sky, ground, lag=lag)
+
+    other = ss.tuned(law, start, "bacc", limits)
+    assert exact.value("bacc") == pytest.approx(other.value("bacc"), rel=1e-5)
+    assert exact.value("dtl") <= limits["dtl"] * 1.0001
+    # A law that was tuned can be tuned again, from where it is.
+    assert (
+        ss.tuned(exact, {"sky": exact.numbers["sky"]}, "bacc", limits).value("bacc") <= exact.value("bacc") * 1.000001
+    )
+
+
 @pytest.mark.parametrize(
     ("make", "said"),
     [
@@ -133,6 +255,20 @@ def test_tuning_finds_the_best_of_a_grid():
         (lambda: ss.skyhook(CAR, None, 1.0), "road must be a Road"),
         (lambda: ss.tuned(lambda gain: ss.skyhook(CAR, ROAD, gain), {}), "start must be a mapping of numbers > 0"),
         (lambda: ss.tuned(lambda gain: ss.skyhook(CAR, ROAD, gain), {"gain": 9.0}, "bac"), "no metric named 'bac'"),
+        (
+            lambda: ss.tuned(ss.skyhook(CAR, ROAD, 9.0), {"sky": 9.0}),
+            "no 'sky' to tune, available: gain, lag",
+        ),
+        (
+            lambda: ss.tuned(ss.lqr(CAR, ROAD, WEIGHTS), {"gain": 9.0}),
+            "law must be a skyhook",
+        ),
+        (lambda: ss.tuned(None, {"gain": 9.0}), "law must be"),
+        (
+            lambda: ss.tuned(ss.skyhook(CAR, ROAD, 9.0), {"gain": 9.0}, "bacc", {"dtl": 9.0}),
+            "keep dtl below 9; start",
+        ),
+        (lambda: ss.groundhook(CAR, ROAD, -1.0), "groundhook\\(gain=...\\) must be finite and >= 0"),
     ],
 )
 def test_wrong_arguments_are_refused_in_one_line(make, said):

@@ -154,6 +154,8 @@ def test_a_system_has_what_needs_no_masses():
     own, found = ss.rare_events(car, ROAD, clearance=0.05), ss.rare_events(system, ROAD, clearance=0.05)
     xr.testing.assert_allclose(own[list(found)], found, rtol=1e-6)
     assert {"static_load", "lift_off_rate", "lift_off_probability", "damage"} == set(own) - set(found)
+    assert "LinearVehicle has neither static loads nor springs" in found.attrs["comment"]
+    assert "comment" not in own.attrs
     white = ss.rare_events(system, ss.Road(), clearance=0.05)
     assert float(white.dtl_crossings) == np.inf
     assert np.isfinite(white.bump_rate)

@@ -12,6 +12,7 @@ from matplotlib.image import imread
 
 import susp_ss as ss
 from susp_ss import plots
+from susp_ss.fit.surrogate_file import SuspensionSurrogate
 from susp_ss.study.scan import DEFAULT, FACTORS, Scan
 
 SURROGATES = ["RB", "VB", "PB"]
@@ -212,6 +213,20 @@ def test_spectra_of_any_outputs():
     assert [axes.get_ylabel() for axes in figure.axes][:4] == labels
     for axes, output, one in zip(figure.axes, outputs, (1.0, 1.0, 1e-3, 1.0), strict=False):
         np.testing.assert_allclose(axes.lines[1].get_ydata(), 4.0 * S.sel(output=output) / one**2)
+
+
+def test_axes_say_what_outputs_passed():
+    S = ss.psd(ss.QuarterCar(), ROAD, [1.0, 2.0])
+    weighted = S.assign_attrs(weighting={"bacc": "Wk"})
+    labels = [axes.get_ylabel() for axes in plots.spectra({"a": weighted, "b": 2.0 * weighted}).axes]
+    assert labels == ["BAcc through Wk ((m/s²)²/Hz)", "SWS (mm²/Hz)", "DTL (N²/Hz)"]
+    assert "Wk" not in plots.spectra({"as it is": S, "through Wk": weighted}).axes[0].get_ylabel()
+    runs = pd.DataFrame({"ks": [15e3, 15e3, 25e3, 25e3], "cs": [1000.0, 2000.0, 1000.0, 2000.0]})
+    models = {name: ss.Polynomial(degree=1).fit(runs, [1.0, 0.8, 0.9, 0.7]) for name in ("bacc", "sws")}
+    cheap = ss.LowFidelity(ss.QuarterCar(), ROAD, weighting="Wk")
+    surrogate = SuspensionSurrogate({"ks": "N/m", "cs": "N s/m"}, {"bacc": "m/s^2", "sws": "m"}, models, cheap)
+    bars = [plots.fitted_map(surrogate, output).axes[1].get_ylabel() for output in models]
+    assert bars == ["bacc through Wk (m/s²)", "sws (m)"]
 
 
 def test_five_curves_are_refused_not_dropped():

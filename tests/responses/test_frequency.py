@@ -80,6 +80,13 @@ def test_bad_frequencies(frequency, error, words):
         ss.psd(ss.QuarterCar(), ss.Road(), frequency)
 
 
+def test_a_resonance_without_damping_is_refused():
+    car = ss.RigidTyreQuarterCar(ms=1.0, ks=(2.0 * np.pi) ** 2, cs=0.0)
+    with pytest.raises(ValueError, match="a mode without damping answers without bound"):
+        ss.frequency_response(car, [0.5, 1.0])
+    assert np.isfinite(ss.frequency_response(car, [0.5, 1.1])).all()
+
+
 def test_spectra_over_speeds_are_those_of_each_speed():
     speeds, f = xr.DataArray(np.array([10.0, 30.0]), dims="speed"), np.array([0.5, 3.0, 12.0])
     every = ss.psd(ss.FullCar(), ss.Road(speed=speeds, tracks="isotropic", waviness=2.4), f)

@@ -8,12 +8,14 @@ import pytest
 from scipy import stats
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.linear_model import BayesianRidge
+from sklearn.model_selection import cross_val_predict
 from sklearn.neighbors import KNeighborsRegressor
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
 
 import susp_ss as ss
 from susp_ss.surrogates import Validation, bootstrap
+from susp_ss.surrogates.by_coefficients import without_rows
 from susp_ss.surrogates.folds import split, unfitted, uses_low_fidelity
 from susp_ss.surrogates.radial_basis import leave_one_out
 
@@ -105,6 +107,33 @@ def test_number_of_folds():
     assert [len(split(plan(n), None, 0)) for n in (2, 30, 31, 200)] == [2, 30, 10, 10]
     sizes = [len(predicted) for _, predicted in split(plan(33), None, 0)]
     assert set(sizes) == {3, 4}
+
+
+@pytest.mark.parametrize(
+    "surrogate",
+    [
+        ss.ResponseBased(cheap),
+        ss.ResponseBased(cheap, terms=(False, True)),
+        ss.ResponseBased(lambda X: 3.0 + cheap(X), form="power"),
+        ss.VariableBased(cheap),
+        ss.VariableBased(cheap, nonnegative=True),
+        ss.ParameterBased(lambda X, a: cheap(X) + np.sin(a * X[:, 0]), bounds=(0.1, 3.0)),
+        ss.Polynomial(3),
+    ],
+)
+def test_folds_are_predicted_as_by_fits_without_them(surrogate):
+    X = plan(24)
+    y = 4.0 + cheap(X) + 0.1 * np.exp(X[:, 0])
+    expected = cross_val_predict(surrogate, X, y, cv=split(X, 5, 0))
+    np.testing.assert_allclose(ss.cross_validate(surrogate, X, y, folds=5).predicted, expected, rtol=1e-8)
+
+
+def test_a_design_far_from_all_others_leaves_no_closed_form_without_it():
+    x = np.append(np.linspace(-1.0, 1.0, 9), 1e5)
+    columns, y = np.column_stack([np.ones(10), x / 1e5]), np.append(np.exp(x[:9]), 7.0)
+    assert without_rows(columns, y, np.linalg.lstsq(columns, y)[0], [np.array([9])]) is None
+    expected = np.polynomial.Polynomial.fit(x[:9], y[:9], 1)(1e5)
+    assert ss.cross_validate(ss.Polynomial(1), x[:, None], y).predicted[9] == pytest.approx(expected, rel=1e-8)
 
 
 def test_folds_are_those_of_the_seed():

@@ -243,9 +243,9 @@ def run(
 
         typer.echo(json.dumps(fit_document(fit), indent=2))
     else:
-        from ..presentation.report import report
+        from ..presentation.text.fit import fit_text
 
-        typer.echo(report(fit), nl=False)
+        typer.echo(fit_text(fit), nl=False)
 
 
 def _check_source(runs: list[Path], fmu: FmuRuns | None, histories: bool, given: set[str]) -> None:

@@ -160,9 +160,4 @@ def _print(vehicle: "Vehicle", road: "Road", spectra: "xr.DataArray") -> None:
 def _figure(vehicle: "Vehicle", spectra: "xr.DataArray") -> Any:
     from ..presentation.plots import spectra as drawn
 
-    behind: dict[str, list[str]] = {}
-    for output, name in spectra.attrs["weighting"].items():
-        if output in spectra.output.values:
-            behind.setdefault(name, []).append(output)
-    weighted = [f"; {name}-weighted: {', '.join(outputs)}" for name, outputs in behind.items()]
-    return drawn({f"{type(vehicle).__name__}{''.join(weighted)}": spectra})
+    return drawn({type(vehicle).__name__: spectra})

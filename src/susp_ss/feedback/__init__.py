@@ -4,7 +4,8 @@ from .bound import ActiveBound, ActiveFront, active_bound
 from .h_infinity import HInfinity, h_infinity
 from .regulators import lqg, lqr
 from .result import Feedback
-from .skyhooks import groundhook, hybrid, skyhook, tuned
+from .skyhooks import groundhook, hybrid, skyhook
+from .tuning import tuned
 
 __all__ = [
     "ActiveBound",

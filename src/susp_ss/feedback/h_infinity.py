@@ -11,6 +11,8 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from ..quantities import briefly
+from .plant import plant
+from .result import Feedback
 
 if TYPE_CHECKING:
     import control
@@ -54,6 +56,45 @@ class HInfinity:
     closed: control.StateSpace
     level: float
     least: float
+
+    def on(self, vehicle: Any, road: Any, weighting: Any = None) -> Feedback:
+        """What the controller makes of a vehicle on a road, its closed loop a `LinearVehicle`.
+
+        Parameters
+        ----------
+        vehicle : Vehicle
+            With one number for every parameter. What the controller measures are its outputs (``bacc_cg``, ``sws_fr``),
+            free of noise; what it sets are the forces of its actuators (``u_fr``), without a model of these.
+        road : Road
+        weighting : optional
+            As in `ride_metrics`.
+
+        Returns
+        -------
+        Feedback
+            With ``controller`` and ``closed``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            No such vehicle, no such signals, or an unstable loop.
+
+        Examples
+        --------
+        >>> import control as ct
+        >>> import susp_ss as ss
+        >>> car, road = ss.QuarterCar(), ss.Road()
+        >>> own = car.state_space(input="velocity", actuators=True)
+        >>> bacc = own.output_labels.index("bacc")
+        >>> C, d = own.C[[bacc, bacc, bacc]] * [[1.0], [0.0], [1.0]], own.D[bacc, 1]
+        >>> plant = ct.ss(own.A, own.B[:, [0, 0, 1]] * [0.1, 0.0, 1.0], C, [[0, 0, d], [0, 0, 1e-3], [0, 0.05, d]],
+        ...               inputs=["road", "noise", "u"], outputs=["ride", "effort", "bacc"])
+        >>> ss.h_infinity(plant, measured=["bacc"], controls=["u"]).on(car, road)
+        h_infinity on QuarterCar: bacc ..., sws ..., dtl ... of passive
+        """
+        known = plant(vehicle, road, None, "h_infinity")
+        closed = known.controlled(self.controller)
+        return known.result("h_infinity", closed, (vehicle, weighting), controller=self.controller)
 
     def __repr__(self) -> str:
         return (

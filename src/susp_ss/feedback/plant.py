@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.linalg
@@ -34,6 +34,9 @@ from ..vehicles.second_order import Layout, Outputs, Row
 from .preview import Law, Noise, System, variances
 from .result import Feedback
 from .shaping import shaping
+
+if TYPE_CHECKING:
+    import control
 
 Array = NDArray[np.float64]
 
@@ -143,7 +146,7 @@ class Plant:
         own = len(self.layout.outputs)
         A, C, W, bent = A - B @ K, (C - D @ K)[:own], self.velocity[0], self.standing[0]
         if named:
-            T, states = np.diag(1.0 / self.sizes), list(self.states)
+            T, states = np.diag(self.sizes), list(self.states)
         else:
             squares, directions = np.linalg.eigh(scipy.linalg.solve_continuous_lyapunov(A, -W @ W.T))
             T = (directions / np.sqrt(squares.clip(min=FLAT * squares[-1]))).T
@@ -181,6 +184,30 @@ class Plant:
             T @ bent,
             [*self.states, *(signal("force", corner) for corner in self.layout.corners)],
         )
+
+    def controlled(self, controller: control.StateSpace) -> LinearVehicle:
+        """The vehicle under the forces of a controller on its outputs, both by their names.
+
+        Raises
+        ------
+        ValueError
+            No such output or force.
+        """
+        import control
+
+        vehicle: Any = self.vehicle
+        system, wheels = vehicle.state_space(input="velocity", actuators=True), len(self.layout.inputs)
+        forces = system.input_labels[wheels:]
+        outputs = [*system.output_labels, *(signal("force", corner) for corner in self.layout.corners)]
+        seen = _places(controller.input_labels, outputs, "measures", "outputs")
+        pushing = _places(controller.output_labels, forces, "sets", "forces")
+        rows, columns = [*range(len(outputs)), *seen], [*range(wheels), *(wheels + force for force in pushing)]
+        C = np.pad(system.C, [(0, len(forces)), (0, 0)])
+        D = np.vstack([system.D, np.eye(len(forces), system.ninputs, k=wheels)])
+        loop = control.ss(system.A, system.B[:, columns], C[rows], D[np.ix_(rows, columns)]).lft(controller)
+        states = [*system.state_labels, *(f"controller_{i + 1}" for i in range(controller.nstates))]
+        labels = {"inputs": system.input_labels[:wheels], "outputs": outputs, "states": states}
+        return LinearVehicle(control.ss(loop.A, loop.B, loop.C, loop.D, **labels), like=self.vehicle)
 
     def result(self, kind: str, closed: LinearVehicle, given: Any, **more: Any) -> Feedback:
         """What a law on the vehicle as it was given achieves, from its closed loop."""
@@ -276,6 +303,13 @@ def _with_forces(layout: Layout) -> Layout:
     forces = tuple(Row(ACTUATION["force"], corner, True) for corner in layout.corners)
     rows = tuple(row._replace(public=True) for row in layout.outputs.rows)
     return replace(layout, outputs=Outputs(rows + forces))
+
+
+def _places(names: list[str], known: list[str], what: str, which: str) -> list[int]:
+    for name in names:
+        if name not in known:
+            raise ValueError(f"the controller {what} {name!r}, none of the vehicle's {which} {', '.join(known)}")
+    return [known.index(name) for name in names]
 
 
 def _one(x: Any) -> Any:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Self
 
@@ -42,6 +43,10 @@ class Feedback:
         those of a weighting's filters behind them.
     controller : control.StateSpace or None
         From measured outputs to forces, where the law is one.
+    numbers : dict of str to float
+        Gains (N s/m) and lag (s) of a law that is made of these, by their names.
+    weighting
+        Behind which the metrics of such a law are.
     """
 
     kind: str
@@ -52,6 +57,8 @@ class Feedback:
     closed: LinearVehicle | None = None
     gain: xr.DataArray | None = None
     controller: control.StateSpace | None = None
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    weighting: Any = None
 
     def table(self) -> pd.DataFrame:
         """Every metric at every place, passive and under the law, with the ratio of both."""

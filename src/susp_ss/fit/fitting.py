@@ -30,7 +30,7 @@ from ..surrogates import (
     VariableBased,
     accuracy,
 )
-from ..surrogates.folds import one_blas_thread, unfitted
+from ..surrogates.folds import one_blas_thread
 from ..surrogates.learning import learning_curve_of_runs
 from ..surrogates.low_fidelity import evaluated
 from ..surrogates.next_designs import MOST
@@ -235,7 +235,7 @@ def fit_runs(
                 raise ValueError(f"{choose} cannot be fitted to {output}: {comparison.refused[choose]}")
             learned = learning_curve_of_runs(surrogates, X, y, repeats=3, progress=progress) if learning else None
             with one_blas_thread():
-                models = {name: unfitted(surrogates[name]).fit(X, y) for name in comparison.table.index}
+                models = {name: comparison.models[name] for name in comparison.table.index}
         f, at = cheap[output], kept.responses[output].to_numpy()
         own = None if f is None else evaluated(f, X.to_numpy())
         taken_here = comparison.best if choose is None else choose

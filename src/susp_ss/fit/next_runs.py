@@ -16,6 +16,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from ..quantities import briefly, quantity_of, whole_number
+from ..surrogates.folds import one_blas_thread
 from ..surrogates.kriging import CoKriging, Kriging
 from ..surrogates.next_designs import LOOKED_AT, MOST, Knowledge, knowledge, next_designs, over
 from ..units import factor_of
@@ -124,7 +125,8 @@ def planned(fit: Fit, runs: int, box: Mapping[str, Sequence[float]] | None = Non
     def known(designs: Array) -> list[Knowledge]:
         return [_known(fit, output, who, designs) for output, who in by.items()]
 
-    designs, filling = next_designs(bounds, fit.runs.designs.to_numpy(), known, count)
+    with one_blas_thread():
+        designs, filling = next_designs(bounds, fit.runs.designs.to_numpy(), known, count)
     return NextRuns(pd.DataFrame(designs, columns=list(bounds)), filling, by)
 
 
@@ -165,8 +167,9 @@ def outlook(fit: Fit, output: str) -> Outlook | None:
     by = _knowing(fit.outputs[output])
     if by is None:
         return None
-    now = _known(fit, output, by, over(fit.runs.box()))
-    then = now.after(range(min(len(fit.runs.rows), LOOKED_AT)))
+    with one_blas_thread():
+        now = _known(fit, output, by, over(fit.runs.box()))
+        then = now.after(range(min(len(fit.runs.rows), LOOKED_AT)))
     share = np.sqrt((then.variance + then.noise) / (now.variance + now.noise))
     return Outlook(by, float(fit.outputs[output].models[by].noise_), float(share))
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..quantities import SHIFT
 from ..responses.covariance.linearisation import linearise
-from ..responses.covariance.routes import covariance_variances
+from ..responses.covariance.routes import EVERY, covariance_variances
 from ..responses.excitation import design_space, spanned
 from ..responses.filters import Filter
 from ..responses.labels import labelled_outputs, shifted, values_of
@@ -69,12 +69,12 @@ def _moments(
     straight = linearise(flat, space, road, designs) if flat.curved and method != "time" else None
     car = flat if straight is None else straight.vehicle
 
-    def moments(road: Road) -> Moments:
+    def moments(road: Road, needed: Any = EVERY) -> Moments:
         if method == "time":
             return time_moments(flat, space, road, **record)
         if method == "spectral":
             return Moments(spectral_variances(car, space, road))
-        return Moments(covariance_variances(car, space, road, designs))
+        return Moments(covariance_variances(car, space, road, designs, needed))
 
     if straight is None:
         found = moments(road)
@@ -84,7 +84,7 @@ def _moments(
         errors = None if found.errors is None else car.damping() * found.errors[:, layout.rates]
         found = found._replace(power=car.damping() * found.variances[:, layout.rates], power_errors=errors)
     for one, rows in rows_behind(weighting, layout.outputs).items():
-        through = moments(road.weighted(one))
+        through = moments(road.weighted(one), rows)
         found.variances[:, rows] = through.variances[:, rows]
         if found.errors is not None and through.errors is not None:
             found.errors[:, rows] = through.errors[:, rows]

@@ -27,6 +27,9 @@ OUTPUTS = ("bacc", "sws", "dtl")
 
 CLEARANCE = Quantity("clearance", "m", "travel of the suspension to a stop", bound="> 0")
 
+UNKNOWN = "has neither static loads nor springs; pass the vehicle of masses and springs that it stands for"
+"""Why a state space has no rate of lift-off and no damage: in the comment of the Dataset."""
+
 # S-N curves of springs fall with slopes of 3 to some 20; powers far beyond are no numbers.
 STEEPEST = 50.0
 
@@ -77,8 +80,8 @@ def rare_events(
         as far below zero.
         ``bacc_crossings`` and so on (1/s), and the ``irregularity`` of the suspension's deflection, zero crossings over
         peaks, 1 of a sine. ``damage`` of the suspension's spring on dim "counting": ``narrow_band``, ``dirlik``. A
-        `LinearVehicle` has no static loads and no springs, and what needs them is left out. The attributes say over
-        which stretch and against which range of the spring's force all this is meant.
+        `LinearVehicle` has no static loads and no springs: lift-off and damage are left out, as ``comment`` says. The
+        attributes say over which stretch and against which range of the spring's force all this is meant.
 
     Raises
     ------
@@ -139,6 +142,8 @@ def rare_events(
     if straight is not None:
         events[SHIFT.name] = shifted(layout, space, straight.shift, "{statistic} {meaning}")
         events.attrs["comment"] = LINEARISED
+    if loads is None:
+        events.attrs["comment"] = f"lift-off and damage are left out: {type(vehicle).__name__} {UNKNOWN}"
     return events
 
 

@@ -109,7 +109,7 @@ def sensitivity(
     straight = linearise(flat, space, ground) if flat.curved else None
     car = flat if straight is None else straight.vehicle
     variances = covariance_variances(car, space, ground) if straight is None else straight.variances
-    through = {one: covariance_variances(car, space, ground.weighted(one)) for one in behind}
+    through = {one: covariance_variances(car, space, ground.weighted(one), needed=rows) for one, rows in behind.items()}
     along = [*settings.values(), *(as_settings(flat, curved_rates(flat)) if flat.curved else ())]
 
     def tangents_of(road: Road, variances: NDArray[np.float64], batch: slice) -> Tangents:

@@ -12,6 +12,11 @@ from ..metrics.weightings import filter_of
 from ..roads.road import Road
 from ..roads.road_fit import unfitted
 from ..study.feasibility import Study
+from ..vehicles.curve_files import curve_entry
+from ..vehicles.curves import Curve
+from ..vehicles.parameters import Corners
+from ..vehicles.seats import Seat, field_of
+from ..vehicles.vehicle import Vehicle
 
 
 def study_code(study: Study) -> str:
@@ -86,7 +91,7 @@ def _surface(road: Road) -> str:
 
 def fit_code(fit: Fit) -> str:
     """Python that makes a fit again from the same file."""
-    made = [f"runs = {_call(*fit.runs.read)}", f"cheap = {_code(fit.low_fidelity)}"]
+    made = [f"runs = {_call(*fit.runs.read)}", f"cheap = {code(fit.low_fidelity)}"]
     own_filter = any("control.tf(" in line for line in made)
     return "\n".join(
         [
@@ -99,19 +104,75 @@ def fit_code(fit: Fit) -> str:
     )
 
 
-def _call(name: str, arguments: dict[str, Any]) -> str:
-    lines = [f"    {key}={_code(value)},".replace("\n", "\n    ") for key, value in arguments.items()]
-    return "\n".join([f"ss.{name}(", *lines, ")"])
+def code(value: Any) -> str:
+    """Python that makes a vehicle, a road or what they are made of.
 
-
-def _code(value: Any) -> str:
+    Examples
+    --------
+    >>> import susp_ss as ss
+    >>> from susp_ss.presentation.reproduction import code
+    >>> print(code(ss.RigidTyreQuarterCar(cs=ss.DamperCurve.two_slopes(bump=800.0, rebound=2400.0))))
+    ss.RigidTyreQuarterCar(
+        ms=317.5,
+        ks=18553.0,
+        cs=ss.DamperCurve.two_slopes(
+            bump=800.0,
+            rebound=2400.0,
+        ),
+    )
+    """
+    if isinstance(value, Curve):
+        return _curve_code(value)
+    if isinstance(value, Vehicle) and hasattr(value, "plain"):
+        return _seated_code(value)
+    if isinstance(value, Corners):
+        return _corners_code(value)
+    if isinstance(value, tuple) and any(isinstance(part, Curve) for part in value):
+        return f"({', '.join(map(code, value))})"
     if dataclasses.is_dataclass(value):
-        fields = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
-        defaults = {field.name: field.default for field in dataclasses.fields(value)}
-        # What is nothing, and is so by default, goes without saying.
-        fields = {name: x for name, x in fields.items() if x or defaults[name]}
-        return _call(type(value).__name__, fields)
+        return _call(type(value).__name__, _told(value, type(value)))
     if hasattr(value, "ninputs"):
         own = filter_of(value, "weighting")
         return f"control.tf({own.numerator.tolist()!r}, {own.denominator.tolist()!r})"
     return repr(value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value)
+
+
+def _call(name: str, arguments: dict[str, Any]) -> str:
+    lines = [f"    {key}={code(value)},".replace("\n", "\n    ") for key, value in arguments.items()]
+    return "\n".join([f"ss.{name}(", *lines, ")"])
+
+
+def _told(value: Any, kind: type) -> dict[str, Any]:
+    """The fields of a kind; what is nothing, and is so by default, goes without saying."""
+    defaults = {field.name: field.default for field in dataclasses.fields(kind)}
+    own = {name: getattr(value, name) for name in defaults}
+    return {name: x for name, x in own.items() if x or defaults[name]}
+
+
+def _corners_code(corners: Corners) -> str:
+    """Corners, of which what is alike is said once."""
+    told = {name: code(value) for name, value in zip(Corners.__dataclass_fields__, corners, strict=True)}
+    if len(set(told.values())) == 1:
+        return told["fr"]
+    if told["fr"] == told["fl"] and told["rr"] == told["rl"]:
+        return _call("Corners.axles", {"front": corners.fr, "rear": corners.rr})
+    return _call("Corners", _told(corners, Corners))
+
+
+def _curve_code(curve: Curve) -> str:
+    """A curve of numbers by the form in which a vehicle file holds it."""
+    entry = curve_entry(curve)
+    numbers = {key: part["value"] if isinstance(part, dict) else part for key, part in entry.items() if key != "unit"}
+    form = "" if "force" in numbers else ".digressive" if "knee" in numbers else ".two_slopes"
+    return _call(f"{type(curve).__name__}{form}", numbers)
+
+
+def _seated_code(vehicle: Any) -> str:
+    fields = {seat: {of: field_of(of, seat) for of in Seat.quantities()} for seat in vehicle.seats}
+    seats = (
+        f"{seat!r}: "
+        + _call("Seat", {of: getattr(vehicle, name) for of, name in own.items() if hasattr(vehicle, name)})
+        for seat, own in fields.items()
+    )
+    car = _call(vehicle.plain.__name__, _told(vehicle, vehicle.plain))
+    return f"{car}.with_seats({{{', '.join(seats)}}})"

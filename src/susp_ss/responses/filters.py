@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.signal
 from numpy.typing import NDArray
 
 from ..quantities import briefly
@@ -164,6 +163,8 @@ class Filter:
         """Histories (outputs, T) filtered from rest, each taken as linear between samples."""
         if len(self.denominator) == 1:
             return np.asarray(self.numerator[0] * y)
-        A, B, C, D = scipy.signal.tf2ss(self.numerator, self.denominator)
+        from scipy import signal
+
+        A, B, C, D = signal.tf2ss(self.numerator, self.denominator)
         hold = FirstOrderHold(A, B, C, D, step)
         return np.concatenate(list(hold.drive(y[:, None])), axis=-1)[:, 0]

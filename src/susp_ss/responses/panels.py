@@ -21,8 +21,14 @@ Array = NDArray[np.float64]
 # bound; what comes from below the third end falls at least with the first power of frequency.
 LOWEST, HIGHEST, LOWEST_OF_STEEP = 1e-60, 1e60, 1e-11
 
+# How far off the axis every pole counts, so that no panel is shorter than numbers can tell.
+CLOSEST = 1e-12
+
+# Where poles are, in rad/s, that a road does not have.
+NOWHERE = 1e300
+
 # Half the length of a panel over its distance to a pole, and at most where axles interfere.
-NEAR, INTERFERING = 0.6, 0.4
+NEAR, INTERFERING = 0.5, 0.3
 
 # Interference begins with a phase of 1 rad, and is followed up to so many times the fastest resonance and so many rad.
 FOLLOWED, TURNS = 100.0, 500.0
@@ -73,17 +79,24 @@ class Marks(NamedTuple):
         return (panels.centre > self.low[panels.design]).astype(int) + (panels.centre > self.high[panels.design])
 
     def panels(self) -> Panels:
-        """Panels of all designs between the breaks, each short enough."""
+        """Panels of all designs between the breaks, one after the other, each as long as it may be.
+
+        From ``start`` on, half a length h is ``NEAR`` times the distance of the centre to a pole that lies ``ahead``
+        where ``(1 - NEAR^2) h^2 + 2 NEAR^2 ahead h = NEAR^2 (ahead^2 + off^2)``.
+        """
         design = np.repeat(np.arange(len(self.breaks)), self.breaks.shape[1] - 1)
-        panels = Panels(design, self.breaks[:, :-1].ravel(), self.breaks[:, 1:].ravel())
-        panels, found = panels.some(panels.end > panels.start), []
-        while len(panels.design):
-            off_centre = panels.centre[:, None] - self.poles[panels.design]
-            longest = NEAR * np.hypot(off_centre, self.off[panels.design]).min(axis=1)
-            most = np.where(self.where(panels) == BETWEEN, INTERFERING, np.inf)
-            long = panels.half > np.minimum(longest, most)
-            found.append(panels.some(~long))
-            panels = panels.some(long).halved()
+        ranges = Panels(design, self.breaks[:, :-1].ravel(), self.breaks[:, 1:].ravel())
+        ranges, found = ranges.some(ranges.end > ranges.start), []
+        most = np.where(self.where(ranges) == BETWEEN, 2.0 * INTERFERING, np.inf)
+        poles, off = self.poles[ranges.design], np.sqrt(1.0 - NEAR**2) * self.off[ranges.design]
+        while len(most):
+            ahead = poles - ranges.start[:, None]
+            half = (NEAR * np.hypot(ahead, off) - NEAR**2 * ahead).min(axis=1) / (1.0 - NEAR**2)
+            end = np.minimum(ranges.start + np.minimum(2.0 * half, most), ranges.end)
+            found.append(ranges._replace(end=end))
+            left = end < ranges.end
+            ranges = ranges._replace(start=end).some(left)
+            most, poles, off = most[left], poles[left], off[left]
         return Panels(*map(np.concatenate, zip(*found, strict=True)))
 
 
@@ -100,10 +113,11 @@ def marks(vehicle: RoadVehicle, model: Model, road: Road, designs: int) -> Marks
     modes = np.concatenate([modes, np.broadcast_to(filtered, (designs, len(filtered)))], axis=1)
     lengths = road.contact_length, vehicle.track_width if road.tracks == "isotropic" else 0.0
     corners = each(
-        [2.0 * np.pi * road.speed * road.cutoff, *(road.speed / np.maximum(x, 1.0 / HIGHEST) for x in lengths)]
+        [2.0 * np.pi * road.speed * road.cutoff, *(road.speed / np.maximum(x, 1.0 / NOWHERE) for x in lengths)]
     )
+    corners[corners == 0.0] = NOWHERE
     poles = np.concatenate([np.abs(modes), corners], axis=1)
-    off = [np.arctan2(np.abs(modes.real), np.abs(modes.imag)), np.full_like(corners, 0.5 * np.pi)]
+    off = [np.maximum(np.arctan2(np.abs(modes.real), np.abs(modes.imag)), CLOSEST), np.full_like(corners, 0.5 * np.pi)]
 
     taus = np.sort(each(delays(vehicle, road)), axis=1)
     apart = np.diff(taus, axis=1, append=0.0)

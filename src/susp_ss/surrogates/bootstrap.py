@@ -50,7 +50,3 @@ def r2_and_rmse(y: Array, errors: Array, axis: int) -> Array:
 def ratio(errors: Array, others: Array, axis: int) -> Any:
     with np.errstate(divide="ignore", invalid="ignore"):
         return rmse(errors, axis) / rmse(others, axis)
-
-
-def excess(errors: Array, others: Array, axis: int) -> Any:
-    return np.mean(errors**2 - others**2, axis=axis)

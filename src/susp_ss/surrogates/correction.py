@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
 
 from ..quantities import briefly
+from .by_coefficients import TunedModel, without_rows
 from .low_fidelity import evaluated
-from .regressor import DEPENDENT, Array, TunedModel
+from .regressor import DEPENDENT, Array
 
 # Of the solver, on a problem scaled to one, the sharpest that it reaches.
 TOLERANCES = (1e-12, 1e-11, 1e-10)
@@ -52,14 +53,30 @@ class _Correction(TunedModel):
         designs, responses = self._runs(X, y)
         if not isinstance(self.nonnegative, bool | np.bool_):
             raise ValueError(f"nonnegative must be True or False, got {briefly(self.nonnegative)}")
-        columns, offset, names = self._split(designs, evaluated(self.low_fidelity, designs))
-        keep = _kept(self.terms, columns.shape[1])
-        kept_names = [name for name, kept in zip(names, keep, strict=True) if kept]
-        every = np.column_stack([np.ones(len(designs)), columns])
+        columns, target, keep, names = self._problem(designs, responses)
         coefficients = np.zeros(len(keep))
-        coefficients[keep] = least_squares(every[:, keep], responses - offset, self.nonnegative, kept_names)
+        coefficients[keep] = least_squares(columns, target, self.nonnegative, names)
         self.intercept_, self.coef_ = float(coefficients[0]), coefficients[1:]
         return self
+
+    def _problem(self, designs: Array, responses: Array) -> tuple[Array, Array, NDArray[np.bool_], list[str]]:
+        """Columns (n, m) of the coefficients to fit, their target (n,), which of all they are, and names."""
+        columns, offset, names = self._split(designs, evaluated(self.low_fidelity, designs))
+        keep = _kept(self.terms, columns.shape[1])
+        every = np.column_stack([np.ones(len(designs)), columns])
+        return every[:, keep], responses - offset, keep, [name for name, kept in zip(names, keep, strict=True) if kept]
+
+    def _closed(self, folds: Sequence[NDArray[np.intp]]) -> Array | None:
+        if self.nonnegative:
+            return None
+        assert self._fitted_to is not None
+        columns, target, keep, _ = self._problem(*self._fitted_to)
+        found = without_rows(columns, target, self._coefficients()[keep], folds)
+        if found is None:
+            return None
+        fits = np.zeros((len(folds), len(keep)))
+        fits[:, keep] = found
+        return fits
 
     def _numbers(self) -> dict[str, Any]:
         return {"intercept": self.intercept_, "coef": self.coef_}
@@ -149,6 +166,17 @@ class ResponseBased(_Correction):
         a0, a1 = power_law(f, _positive("y", responses))
         self.intercept_, self.coef_ = a0, np.array([a1])
         return self
+
+    def _closed(self, folds: Sequence[NDArray[np.intp]]) -> Array | None:
+        return super()._closed(folds) if self.form == "linear" else None
+
+    def _fit_to(self) -> Callable[[NDArray[np.intp]], Array]:
+        if self.form == "linear":
+            return super()._fit_to()
+        assert self._fitted_to is not None
+        designs, responses = self._fitted_to
+        f = evaluated(self.low_fidelity, designs)
+        return lambda rows: np.array(power_law(f[rows], responses[rows]))
 
     def _at(self, designs: Array) -> Array:
         if self.form == "linear":

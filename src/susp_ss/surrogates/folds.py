@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
 import numpy as np
@@ -65,6 +65,17 @@ def split(X: Any, folds: Any, random_state: int | None) -> list[Fold]:
         folds = different if len(design) <= ALONE else min(FOLDS, different)
     parts = whole_number("folds", folds, 2, different, f"from 2 to the {different} different designs")
     return list(GroupKFold(parts, shuffle=True, random_state=random_state).split(design, groups=design))
+
+
+@contextmanager
+def in_fold(i: int, folds: Sequence[Fold]) -> Iterator[None]:
+    """Name the fold, counted from 0, to whose others no fit is possible."""
+    fitted, left_out = map(len, folds[i])
+    try:
+        yield
+    except ValueError as error:
+        where = f"fold {i + 1} of {len(folds)}, fitted to {fitted} of {fitted + left_out} runs"
+        raise ValueError(f"{where}: {error}") from error
 
 
 def one_blas_thread() -> AbstractContextManager[Any]:

@@ -10,13 +10,14 @@ import numpy as np
 from sklearn.utils.validation import check_is_fitted
 
 from ..quantities import briefly
+from .by_coefficients import ByCoefficients
 from .correction import ResponseBased, VariableBased
 from .intervals import left_out_of
 from .kriging import CoKriging, Kriging
 from .parameter import ParameterBased
 from .polynomial import Polynomial
 from .radial_basis import RadialBasis
-from .regressor import ByCoefficients, Surrogate
+from .regressor import Surrogate
 
 KINDS: dict[str, type[Surrogate]] = {
     kind.__name__: kind

@@ -14,11 +14,14 @@ from scipy.optimize import minimize_scalar
 from sklearn.utils import gen_batches
 
 from ..quantities import briefly
+from .by_coefficients import TunedModel
 from .low_fidelity import check_callable, evaluated
-from .regressor import TunedModel
+from .regressor import Array
 
 # The sum of squares is scanned at this many values; a valley between two neighbours could hide from it.
 SCAN = 65
+
+GRID = np.linspace(0.0, 1.0, SCAN).tolist()
 
 # Designs of the cheap model in one call.
 TOGETHER = 50_000
@@ -81,33 +84,9 @@ class ParameterBased(TunedModel):
         """Tune the parameter to the expensive responses y (n,) at the designs X (n, k)."""
         designs, responses = self._runs(X, y)
         check_callable(self.low_fidelity)
-        low, high = self._bounds()
-        unit = np.abs(responses).max() or 1.0
-
-        def value(u: float) -> float:
-            """The parameter at the fraction u of its range."""
-            return min(low * (high / low) ** u if low > 0.0 else low + u * (high - low), high)
-
-        def deviations(*u: float) -> NDArray[np.float64]:
-            """Of the cheap model from the expensive one, a row a fraction."""
-            return (_at_values(self.low_fidelity, designs, [value(one) for one in u]) - responses) / unit
-
-        grid = np.linspace(0.0, 1.0, SCAN)
-        scanned = (deviations(*grid) ** 2).sum(axis=1)
-        if np.ptp(scanned) <= INERT * scanned.max():
-            raise ValueError(
-                f"low_fidelity must depend on its second argument, got one sum of squares for all values from {low:g} "
-                f"to {high:g}"
-            )
-        best, least = float(grid[np.argmin(scanned)]), scanned.min()
-        for i in _valleys(scanned):
-            u = _bottom(deviations, *(float(grid[min(max(j, 0), SCAN - 1)]) for j in (i - 1, i, i + 1)))
-            lowest = (deviations(u) ** 2).sum()
-            if lowest <= (1.0 + INERT) * least:
-                best, least = u, min(lowest, least)
-        self.at_bound_ = {0.0: "lower", 1.0: "upper"}.get(best)
-        self.parameter_ = {"lower": low, "upper": high, None: value(best)}[self.at_bound_]
+        self.parameter_, self.at_bound_ = self._tuned(designs, responses, self._at_fractions(designs, GRID))
         if self.at_bound_ is not None:
+            low, high = self._bounds()
             warnings.warn(
                 f"the tuned parameter {self.parameter_:g} sits on its {self.at_bound_} bound of [{low:g}, {high:g}]: "
                 "the minimum may lie beyond; pass wider bounds",
@@ -116,19 +95,55 @@ class ParameterBased(TunedModel):
             )
         return self
 
+    def _tuned(self, designs: Array, responses: Array, on_grid: Array) -> tuple[float, str | None]:
+        """The parameter, and the bound that it sits on, if any; from the cheap responses (SCAN, n) on the scan."""
+        low, high = self._bounds()
+        unit = np.abs(responses).max() or 1.0
+
+        def deviations(*u: float) -> Array:
+            """Of the cheap model from the expensive one, a row a fraction."""
+            return (self._at_fractions(designs, u) - responses) / unit
+
+        scanned = (((on_grid - responses) / unit) ** 2).sum(axis=1)
+        if np.ptp(scanned) <= INERT * scanned.max():
+            raise ValueError(
+                f"low_fidelity must depend on its second argument, got one sum of squares for all values from {low:g} "
+                f"to {high:g}"
+            )
+        best, least = GRID[np.argmin(scanned)], scanned.min()
+        for i in _valleys(scanned):
+            u = _bottom(deviations, *(GRID[min(max(j, 0), SCAN - 1)] for j in (i - 1, i, i + 1)))
+            lowest = (deviations(u) ** 2).sum()
+            if lowest <= (1.0 + INERT) * least:
+                best, least = u, min(lowest, least)
+        at_bound = {0.0: "lower", 1.0: "upper"}.get(best)
+        return {"lower": low, "upper": high, None: _value(best, low, high)}[at_bound], at_bound
+
+    def _at_fractions(self, designs: Array, fractions: Sequence[float]) -> Array:
+        """The cheap responses (u, n) at fractions of the parameter's range."""
+        bounds = self._bounds()
+        return _at_values(self.low_fidelity, designs, [_value(u, *bounds) for u in fractions])
+
+    def _fit_to(self) -> Callable[[NDArray[np.intp]], Array]:
+        """From one scan of all runs."""
+        assert self._fitted_to is not None
+        designs, responses = self._fitted_to
+        on_grid = self._at_fractions(designs, GRID)
+        return lambda rows: np.array([self._tuned(designs[rows], responses[rows], on_grid[:, rows])[0]])
+
     def _numbers(self) -> dict[str, Any]:
         return {"parameter": self.parameter_, "at_bound": self.at_bound_}
 
     def _restore(self, found: dict[str, Any]) -> None:
         self.parameter_, self.at_bound_ = float(found["parameter"]), found["at_bound"]
 
-    def _coefficients(self) -> NDArray[np.float64]:
+    def _coefficients(self) -> Array:
         return np.array([self.parameter_])
 
-    def _at(self, designs: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _at(self, designs: Array) -> Array:
         return evaluated(self.low_fidelity, designs, self.parameter_)
 
-    def _at_each(self, designs: NDArray[np.float64], fits: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _at_each(self, designs: Array, fits: Array) -> Array:
         return _at_values(self.low_fidelity, designs, fits[:, 0].tolist()).T
 
     def _bounds(self) -> tuple[float, float]:
@@ -153,7 +168,7 @@ class ParameterBased(TunedModel):
         return low, high
 
 
-def _at_values(low_fidelity: Any, designs: NDArray[np.float64], values: list[float]) -> NDArray[np.float64]:
+def _at_values(low_fidelity: Any, designs: Array, values: list[float]) -> Array:
     """The cheap responses (values, n): in one call, where the model takes a value for each design."""
     if not getattr(low_fidelity, "value_per_design", False):
         return np.array([evaluated(low_fidelity, designs, value) for value in values])
@@ -169,14 +184,19 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _valleys(values: NDArray[np.float64]) -> NDArray[np.int_]:
+def _value(u: float, low: float, high: float) -> float:
+    """The parameter at the fraction u of its range."""
+    return min(low * (high / low) ** u if low > 0.0 else low + u * (high - low), high)
+
+
+def _valleys(values: Array) -> NDArray[np.int_]:
     """Indices no higher than their neighbours, ends included; of a level stretch, the last."""
     left = np.concatenate([[np.inf], values[:-1]])
     right = np.concatenate([values[1:], [np.inf]])
     return np.flatnonzero((values <= left) & (values < right))
 
 
-def _bottom(deviations: Callable[..., NDArray[np.float64]], low: float, at: float, high: float) -> float:
+def _bottom(deviations: Callable[..., Array], low: float, at: float, high: float) -> float:
     """Where the squares are least between low and high, as they are at one of the scan's values.
 
     By Newton's steps, or Brent's method where these do not arrive; Newton's come last, as the flat bottom of the
@@ -195,7 +215,7 @@ def _bottom(deviations: Callable[..., NDArray[np.float64]], low: float, at: floa
     return found if u is None else u
 
 
-def _newton(deviations: Callable[..., NDArray[np.float64]], u: float, low: float, high: float) -> float | None:
+def _newton(deviations: Callable[..., Array], u: float, low: float, high: float) -> float | None:
     """Newton's steps on the squares from u to where they settle, if they do and stay between low and high."""
     for _ in range(8):
         h = min(3e-4, u / 2, (1.0 - u) / 2)

@@ -12,8 +12,9 @@ from scipy.special import comb
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from ..quantities import briefly, whole_number
+from .by_coefficients import ByCoefficients, without_rows
 from .low_fidelity import evaluated
-from .regressor import DEPENDENT, Approximation, Array, ByCoefficients, factors, monomials
+from .regressor import DEPENDENT, Approximation, Array, factors, monomials
 
 # Taylor's steps, as a part of the centre: central differences of second order are then right to about this squared.
 STEP = 1e-3
@@ -62,19 +63,17 @@ class Polynomial(ByCoefficients, Approximation):
         """Fit the coefficients to the responses y (n,) at the designs X (n, k)."""
         designs, responses = self._runs(X, y)
         self.box_ = self._box(designs)
-        columns = self._monomials(designs)
-        n, m = columns.shape
-        if n < m:
-            raise ValueError(
-                f"degree {self.degree} in {designs.shape[1]} variable(s) has {m} coefficients and needs at least {m} "
-                f"runs, got {n} sample(s)"
-            )
-        return self._expanded(self._solved(columns, responses))
+        return self._expanded(self._solved(self._monomials(designs), responses))
 
     def _solved(self, columns: Array, responses: Array) -> Array:
         """Coefficients (m,) of least squares on the monomials (n, m)."""
+        n, m = columns.shape
+        if n < m:
+            raise ValueError(
+                f"degree {self.degree} in {self.n_features_in_} variable(s) has {m} coefficients and needs at least "
+                f"{m} runs, got {n} sample(s)"
+            )
         coefficients, _, rank, _ = np.linalg.lstsq(columns, responses, rcond=DEPENDENT)
-        m = columns.shape[1]
         if rank < m:
             raise ValueError(
                 f"degree {self.degree} has {m} coefficients, of which these designs determine {rank} only; vary every "
@@ -167,11 +166,17 @@ class Polynomial(ByCoefficients, Approximation):
     def _at_each(self, designs: Array, fits: Array) -> Array:
         return self._monomials(designs) @ fits.T
 
-    def _fit_to(self, rows: NDArray[np.intp]) -> Array:
+    def _closed(self, folds: Sequence[NDArray[np.intp]]) -> Array | None:
+        assert self._fitted_to is not None
+        designs, responses = self._fitted_to
+        return without_rows(self._monomials(designs), responses, self.scaled_coef_, folds)
+
+    def _fit_to(self) -> Callable[[NDArray[np.intp]], Array]:
         """On the scaled columns of all runs."""
         assert self._fitted_to is not None
         designs, responses = self._fitted_to
-        return self._solved(self._monomials(designs[rows]), responses[rows])
+        columns = self._monomials(designs)
+        return lambda rows: self._solved(columns[rows], responses[rows])
 
     def formula(self) -> str:
         """Return the polynomial in physical units as text that a spreadsheet or a script can take.

@@ -14,7 +14,7 @@ from sklearn.utils import gen_batches
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from .folds import one_blas_thread, split, unfitted
-from .intervals import LeftOut, NoInterval, checked_share, jackknife_plus, refitted
+from .intervals import NoInterval, checked_share, jackknife_plus
 
 Array = NDArray[np.float64]
 
@@ -170,61 +170,6 @@ class Surrogate(RegressorMixin, BaseEstimator):
         """A column in the words of a message."""
         names = getattr(self, "feature_names_in_", None)
         return f"column {column} of X" if names is None else str(names[column])
-
-
-class ByCoefficients(Surrogate):
-    """A surrogate of some coefficients: fits without some runs, made when first asked for, are kept as theirs."""
-
-    _fitted_to: tuple[Array, Array] | None = None
-    _left_out: LeftOut | None = None
-
-    def left_out(self) -> LeftOut:
-        """Return what fits without each run found, or without a tenth of them at a time if there are more than 30.
-
-        Raises
-        ------
-        ValueError
-            The others do not determine a fit, or the runs are not known.
-        """
-        if self._left_out is None:
-            if self._fitted_to is None:
-                raise ValueError("its errors at runs left out are not known; fit the runs again")
-            with one_blas_thread(), warnings.catch_warnings():
-                # Of a parameter at its bounds, which is said of the fit to all runs.
-                warnings.simplefilter("ignore", UserWarning)
-                self._left_out = refitted(self._fit_to, self._at_each, *self._fitted_to)
-        return self._left_out
-
-    def _coefficients(self) -> Array:
-        """What the fit found (m,)."""
-        raise NotImplementedError
-
-    def _at_each(self, designs: Array, fits: Array) -> Array:
-        """Predictions (N, f) at designs (N, k) by fits of coefficients (f, m)."""
-        raise NotImplementedError
-
-    def _fit_to(self, rows: NDArray[np.intp]) -> Array:
-        """Coefficients of a fit to some of the runs."""
-        assert self._fitted_to is not None
-        designs, responses = self._fitted_to
-        return unfitted(self).fit(designs[rows], responses[rows])._coefficients()
-
-    def _runs(self, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
-        self._fitted_to, self._left_out = super()._runs(X, y), None
-        return self._fitted_to
-
-    def _others(self, designs: Array) -> tuple[Array, Array]:
-        errors, folds, fits = self.left_out()
-        return self._at_each(designs, fits)[:, folds], np.abs(errors)
-
-
-class TunedModel(ByCoefficients):
-    """A surrogate that evaluates the cheap model for every prediction: how well it scores is up to that."""
-
-    def __sklearn_tags__(self) -> Any:
-        tags = super().__sklearn_tags__()
-        tags.regressor_tags.poor_score = True
-        return tags
 
 
 class Approximation(Surrogate):

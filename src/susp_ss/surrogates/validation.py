@@ -24,10 +24,12 @@ from scipy import stats
 from ..progress import tracked
 from . import bootstrap
 from .accuracy import Accuracy, accuracy
+from .by_coefficients import ByCoefficients
 from .folds import (
     Fold,
     check_mapping,
     checked_runs,
+    in_fold,
     one_blas_thread,
     rows,
     split,
@@ -72,7 +74,7 @@ class Validation:
         """Prediction minus expensive response (n,)."""
         return self.predicted - self.y
 
-    @property
+    @functools.cached_property
     def accuracy(self) -> Accuracy:
         """R2, RMSE and MAE, the maximum absolute error."""
         return accuracy(self.y, self.predicted)
@@ -160,11 +162,14 @@ class Comparison:
         A `Validation` by surrogate.
     refused : dict
         Why a surrogate could not be fitted, by surrogate.
+    models : dict
+        Surrogates fitted to all runs, of those whose errors at runs left out came from such a fit.
     """
 
     table: pd.DataFrame
     validations: dict[str, Validation]
     refused: dict[str, str]
+    models: dict[str, Any]
 
     @property
     def best(self) -> str:
@@ -186,8 +191,7 @@ class Comparison:
         errors = np.stack([self.validations[name].residuals for name in self.table.index])
         confidence = self.validations[self.best].confidence
         # Not BCa, which has no bounds where one surrogate is worse by the same at every run.
-        both = errors, np.broadcast_to(errors[0], errors.shape)
-        low, _ = bootstrap.bounds(bootstrap.excess, *both, confidence=confidence, method="percentile")
+        low, _ = bootstrap.bounds(np.mean, errors**2 - errors[0] ** 2, confidence=confidence, method="percentile")
         return tuple(self.table.index[low <= 0.0])
 
     def gain(self) -> Gain:
@@ -276,7 +280,7 @@ def cross_validate(
     X, y = checked_runs(X, y)
     splits, confidence = split(X, folds, random_state), checked_share("confidence", confidence)
     with one_blas_thread():
-        return _cross_validated(surrogate, X, y, splits, confidence, refit)
+        return _cross_validated(surrogate, X, y, splits, confidence, refit)[0]
 
 
 def held_out(surrogate: Any, X: ArrayLike, y: ArrayLike, confidence: float = 0.95) -> Validation:
@@ -369,11 +373,14 @@ def compare(
     if all(map(uses_low_fidelity, candidates.values())):
         candidates |= _baselines()
     validations, refused, seconds = dict[str, Validation](), dict[str, str](), dict[str, float]()
+    models = dict[str, Any]()
     with one_blas_thread():
         for name, surrogate in tracked(candidates.items(), "comparing", progress):
             start = time.perf_counter()
             try:
-                validations[name] = _cross_validated(surrogate, X, y, splits, confidence, refit)
+                validations[name], model = _cross_validated(surrogate, X, y, splits, confidence, refit)
+                if model is not None:
+                    models[name] = model
             except (ValueError, RuntimeError) as error:
                 refused[name] = str(error)
             seconds[name] = time.perf_counter() - start
@@ -387,19 +394,29 @@ def compare(
         for (name, validation), (low, high) in zip(validations.items(), bounds.tolist(), strict=True)
     ]
     table = pd.DataFrame(found, index=pd.Index(list(validations), name="surrogate")).sort_values("RMSE", kind="stable")
-    return Comparison(table, validations, refused)
+    return Comparison(table, validations, refused, models)
 
 
 def _cross_validated(
     surrogate: Any, X: Any, y: Array, folds: Sequence[Fold], confidence: float, refit: bool
-) -> Validation:
+) -> tuple[Validation, Any]:
+    """Errors at runs left out, and the fit to all runs where these came from it."""
     outside = _outside(X, folds) if hasattr(surrogate, "outside") else None
+    if isinstance(surrogate, ByCoefficients):
+        try:
+            model = unfitted(surrogate).fit(X, y)
+        except ValueError:
+            # What all runs do not determine the others of a fold do not, and it is named.
+            _fitted_anew(surrogate, X, y, folds)
+            raise
+        return Validation(y, y - model.without(folds).errors, None, outside, confidence), model
     if not hasattr(surrogate, "predict_left_out"):
-        return Validation(y, *_fitted_anew(surrogate, X, y, folds), outside, confidence)
-    fixed, std = unfitted(surrogate).fit(X, y).predict_left_out([left_out for _, left_out in folds])
+        return Validation(y, *_fitted_anew(surrogate, X, y, folds), outside, confidence), None
+    model = unfitted(surrogate).fit(X, y)
+    fixed, std = model.predict_left_out([left_out for _, left_out in folds])
     if not refit:
-        return Validation(y, fixed, std, outside, confidence)
-    return Validation(y, *_fitted_anew(surrogate, X, y, folds), outside, confidence, fixed)
+        return Validation(y, fixed, std, outside, confidence), model
+    return Validation(y, *_fitted_anew(surrogate, X, y, folds), outside, confidence, fixed), model
 
 
 def _fitted_anew(surrogate: Any, X: Any, y: Array, folds: Sequence[Fold]) -> tuple[Array, Array | None]:
@@ -407,12 +424,9 @@ def _fitted_anew(surrogate: Any, X: Any, y: Array, folds: Sequence[Fold]) -> tup
     parts = []
     # Our own read numbers alone; a table would be checked anew in every fold, which takes as long as the fits.
     X = np.asarray(X, dtype=float) if isinstance(surrogate, Surrogate) else X
-    for i, (fitted, left_out) in enumerate(folds, 1):
-        try:
+    for i, (fitted, left_out) in enumerate(folds):
+        with in_fold(i, folds):
             model = unfitted(surrogate).fit(rows(X, fitted), y[fitted])
-        except ValueError as error:
-            where = f"fold {i} of {len(folds)}, fitted to {len(fitted)} of {len(y)} runs"
-            raise ValueError(f"{where}: {error}") from error
         parts.append(_predicted(model, rows(X, left_out)))
     order = np.argsort(np.concatenate([left_out for _, left_out in folds]))
     mean, std = zip(*parts, strict=True)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .linear_model import LinearLayout, LinearModel
-from .second_order import ROUNDING, Array, modes_of
+from .second_order import ROUNDING, Array, mode_table, modes_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -140,7 +140,6 @@ def handling_modes(model: HandlingModel) -> pd.DataFrame:
 
     What has a position has a mode of its own; sway and yaw share one where they swing.
     """
-    import pandas as pd
     from scipy.optimize import linear_sum_assignment
 
     every, n = model.all_motions, model.stiffness.shape[-1]
@@ -161,12 +160,6 @@ def handling_modes(model: HandlingModel) -> pd.DataFrame:
     named = {m: slots[i] for i, m in zip(of, mode, strict=True)}
     if len({"sway", "yaw"} & set(named.values())) == 1:
         named = {m: "sway and yaw" if name in ("sway", "yaw") else name for m, name in named.items()}
-    shapes = w / w[np.abs(w).argmax(axis=0), np.arange(len(keep))]
-    return pd.DataFrame(
-        {
-            "name": [named.get(m, slots[shares[:, m].argmax()]) for m in range(len(keep))],
-            "frequency": np.abs(poles) / (2.0 * np.pi),
-            "damping_ratio": -poles.real / np.abs(poles),
-            "shape": [pd.Series(shape, index=coordinates) for shape in shapes.T],
-        }
-    )
+    table = mode_table(poles, w, coordinates)
+    table.insert(0, "name", [named.get(m, slots[shares[:, m].argmax()]) for m in range(len(keep))])
+    return table

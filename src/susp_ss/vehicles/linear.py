@@ -18,11 +18,12 @@ from .linear_model import LinearModel, driven, relative, stacked
 from .linkage import Wheel
 from .parameters import DesignSpace, computed
 from .parting import Growing
-from .second_order import Array, Layout, Outputs
+from .second_order import Array, Layout, Outputs, mode_table, modes_of
 from .signals import HEIGHT, check_system, checked_wheels, distances, length, named_like, output_table, road_inputs
 
 if TYPE_CHECKING:
     import control
+    import pandas as pd
 
 
 class LinearVehicle(RoadVehicle):
@@ -202,6 +203,23 @@ class LinearVehicle(RoadVehicle):
         if self._which is not None:
             raise ValueError(f"LinearVehicle: {what} needs one system, got {len(self._which)}")
         return self._model
+
+    def modes(self) -> pd.DataFrame:
+        """Damped modes of what dies out, slowest first, as `Vehicle.modes` returns them.
+
+        Each ``shape`` is over the system's states, in their own units.
+
+        Examples
+        --------
+        >>> import susp_ss as ss
+        >>> law = ss.skyhook(ss.QuarterCar(), ss.Road(), gain=1500.0)
+        >>> law.closed.modes()["damping_ratio"].round(2).tolist()
+        [0.58, 0.26]
+        """
+        model = self.single("modes()")
+        keep = modes_of(model.rates[0])
+        shapes = model.states[0][:, : model.A.shape[-1]] @ model.vectors[0][:, keep]
+        return mode_table(model.rates[0][keep], shapes, model.layout.relative_states)
 
     def halves(self) -> tuple[Any, ...]:
         """None: nothing is known of its sides."""

@@ -17,12 +17,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..quantities import METRICS, Quantity, signal
+from .elimination import solved
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
 
@@ -42,6 +46,20 @@ def modes_of(eigenvalues: NDArray[np.complex128]) -> NDArray[np.int_]:
     creeping = np.abs(eigenvalues.imag) <= SPLIT * np.abs(eigenvalues)
     modes = np.flatnonzero(creeping | (eigenvalues.imag > 0.0))
     return modes[np.argsort(np.abs(eigenvalues[modes]), kind="stable")]
+
+
+def mode_table(poles: NDArray[np.complex128], shapes: NDArray, names: Sequence[str]) -> pd.DataFrame:
+    """Modes as `Vehicle.modes` returns them, of their poles (m,) and shapes (names, m)."""
+    import pandas as pd
+
+    shapes = shapes / shapes[np.argmax(np.abs(shapes), axis=0), range(len(poles))]
+    return pd.DataFrame(
+        {
+            "frequency": np.abs(poles) / (2.0 * np.pi),
+            "damping_ratio": -poles.real / np.abs(poles),
+            "shape": [pd.Series(shape, index=list(names)) for shape in shapes.T],
+        }
+    )
 
 
 class Row(NamedTuple):
@@ -268,8 +286,8 @@ class SecondOrder:
         D[..., self.layout.outputs.of("dtl"), :] += np.diag(self.suspensions == self.tyres)
         return np.concatenate([np.zeros_like(push), push], axis=-2), D
 
-    def relative_transfer(self, omega: Array) -> Array:
-        """Outputs per road VELOCITY at angular frequencies ``omega``, as (designs..., F, outputs, inputs).
+    def relative_transfer(self, omega: Array) -> NDArray[np.complex128]:
+        """Outputs per road VELOCITY at angular frequencies ``omega``, as (designs..., outputs, inputs, F).
 
         ``omega`` is (F,), or (designs, F).
 
@@ -278,20 +296,25 @@ class SecondOrder:
         the velocities ``D v = K_in + s C_in``: either right-hand side alone would lose the other's digits at one
         end of the frequency axis.
         """
-        w = np.asarray(omega, dtype=float)[..., None, None]
-        m = self.m[..., None, :, None]
-        K, C, G, C_in, K_in = (x[..., None, :, :] for x in (self.K, self.C, self.G, self.C_in, self.K_in))
-        D = complex_of(K - w**2 * (m * np.eye(m.shape[-2])), w * C)
-        right = complex_of(np.concatenate([C_in - C @ G, K_in], axis=-1), w * np.concatenate([-m * G, C_in], axis=-1))
-        p, v = np.split(np.linalg.solve(D, right), 2, axis=-1)
-        Y = np.concatenate([self.on_position, self.on_velocity], axis=-1)[..., None, :, :]
-        return np.asarray(real_times(Y, np.concatenate([p, v], axis=-2)) + self.on_road_velocity[..., None, :, :])
-
-    def transfer(self, omega: Array) -> Array:
-        """The same with the static warp."""
-        H, w = self.relative_transfer(omega), np.asarray(omega, dtype=float)[..., None, None]
-        if self.layout.warps:
-            H.imag -= (self.on_integrators @ self.integrators)[..., None, :, :] / w
+        n, C_in, m = self.K.shape[-1], self.C_in, self.m[..., None]
+        real = np.concatenate([self.K, C_in - self.C @ self.G, self.K_in], axis=-1)
+        imag = np.concatenate([self.C, -m * self.G, C_in], axis=-1)
+        w = np.asarray(omega, dtype=float)
+        designs = np.broadcast_shapes(real.shape[:-2], w.shape[:-1])
+        equations = np.empty((*real.shape[-2:], *designs, w.shape[-1]), dtype=complex)
+        real, imag, m = (
+            np.moveaxis(np.broadcast_to(x, (*designs, *x.shape[-2:])), (-2, -1), (0, 1))[..., None]
+            for x in (real, imag, m)
+        )
+        equations.real = real
+        np.multiply(w, imag, out=equations.imag)
+        equations.real[range(n), range(n)] -= w**2 * m[:, 0]
+        x = solved(equations.reshape(*real.shape[:2], -1)).reshape(n, 2, -1, *equations.shape[2:])
+        x = np.moveaxis(x, (1, 0, 2), (-4, -3, -2)).reshape(*designs, 2 * n, -1, w.shape[-1])
+        Y = np.concatenate([self.on_position, self.on_velocity], axis=-1)
+        H = real_times(Y, x)
+        if self.on_road_velocity.any():
+            H += self.on_road_velocity[..., None]
         return H
 
     def in_states(self, X: Array) -> Array:
@@ -326,16 +349,11 @@ class SecondOrder:
         return unstable
 
 
-def complex_of(real: Array, imag: Array) -> NDArray[np.complex128]:
-    """A complex array of its parts."""
-    z = np.empty(np.broadcast_shapes(real.shape, imag.shape), dtype=complex)
-    z.real, z.imag = real, imag
-    return z
-
-
-def real_times(A: Array, Z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Real matrices times complex ones, whose real and imaginary parts are columns."""
-    return np.asarray((A @ np.ascontiguousarray(Z).view(float)).view(complex))
+def real_times(A: Array, Z: NDArray) -> NDArray[np.complex128]:
+    """Real matrices (..., m, n) times complex arrays (..., n, k, F), whose real and imaginary parts are columns."""
+    columns = np.ascontiguousarray(Z).view(float)
+    product = A @ columns.reshape(*columns.shape[:-2], -1)
+    return product.view(complex).reshape(*product.shape[:-1], *Z.shape[-2:])
 
 
 def beyond_rounding(total: NDArray, terms: NDArray) -> NDArray[np.bool_]:
@@ -345,11 +363,13 @@ def beyond_rounding(total: NDArray, terms: NDArray) -> NDArray[np.bool_]:
 
 def coefficients(forms: Sequence, names: Sequence) -> NDArray:
     """Coefficients of each linear form (a mapping of names to factors) on each name, (designs..., forms, names)."""
-    factors = [np.asarray(x) for form in forms for x in form.values()]
-    shape = np.broadcast_shapes(*(x.shape for x in factors))
-    rows = np.zeros((*shape, len(forms), len(names)), dtype=np.result_type(float, *factors))
+    factors = [x for form in forms for x in form.values()]
+    shape = np.broadcast_shapes(*{np.shape(x) for x in factors if not isinstance(x, float)})
+    kind = np.result_type(float, *{getattr(x, "dtype", type(x)) for x in factors})
+    rows = np.zeros((*shape, len(forms), len(names)), dtype=kind)
+    columns = {name: j for j, name in enumerate(names)}
     for i, form in enumerate(forms):
         for name, factor in form.items():
-            if name in names:
-                rows[..., i, names.index(name)] = factor
+            if name in columns:
+                rows[..., i, columns[name]] = factor
     return rows

@@ -20,7 +20,7 @@ from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
 from .points import as_kind, checked_points, with_points
 from .seats import Seat, checked_seats, with_seats
-from .second_order import Layout, modes_of
+from .second_order import Layout, mode_table, modes_of
 from .systems import control_system
 
 if TYPE_CHECKING:
@@ -446,21 +446,10 @@ class Vehicle(RoadVehicle):
         >>> modes["shape"][0].abs().idxmax()
         'z_b'
         """
-        import pandas as pd
-
         model = self.single("modes()")
-        n = len(model.layout.coordinates)
         eigenvalues, vectors = np.linalg.eig(model.A)
-        keep = modes_of(eigenvalues)
-        shapes = vectors[:n, keep] / vectors[np.argmax(np.abs(vectors[:n, keep]), axis=0), keep]
-        poles = eigenvalues[keep]
-        return pd.DataFrame(
-            {
-                "frequency": np.abs(poles) / (2.0 * np.pi),
-                "damping_ratio": -poles.real / np.abs(poles),
-                "shape": [pd.Series(shape, index=model.layout.coordinates) for shape in shapes.T],
-            }
-        )
+        keep, names = modes_of(eigenvalues), model.layout.coordinates
+        return mode_table(eigenvalues[keep], vectors[: len(names), keep], names)
 
 
 def _passed(value: Any, where: str, quantity: Quantity) -> Any:

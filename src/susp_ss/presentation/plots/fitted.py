@@ -81,5 +81,7 @@ def fitted_map(
             axes.annotate(str(i), design, ha="center", va="center_baseline", fontsize=6.0, zorder=5)
         axes.set_xlabel(titled(x_name, surrogate.inputs[x_name]))
         axes.set_ylabel(titled(y_name, surrogate.inputs[y_name]))
-        figure.colorbar(image, ax=axes).set_label(titled(output, surrogate.outputs[output]))
+        through = surrogate.low_fidelity.through(output)
+        shown = f"{output} through {through.name}" if through else output
+        figure.colorbar(image, ax=axes).set_label(titled(shown, surrogate.outputs[output]))
     return figure

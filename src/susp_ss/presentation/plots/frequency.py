@@ -120,7 +120,8 @@ def spectra(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
     ----------
     curves : mapping of str to DataArray
         For each legend entry what `susp_ss.psd` returns of one design, or some outputs of it: on ``output`` (or
-        ``criterion``) and ``frequency`` (Hz). At most four, all with the same outputs.
+        ``criterion``) and ``frequency`` (Hz). At most four, all with the same outputs. Where the attribute
+        ``weighting`` of all has the same name for an output, its axis says so.
     ax : sequence of Axes, optional
         One an output.
 
@@ -154,7 +155,9 @@ def spectra(curves: Mapping[str, xr.DataArray], ax: Any = None) -> Figure:
             symbol, unit, one = _density(output)
             for density, style in styled(curves):
                 here.loglog(density.frequency, density.sel({dim: output}) / one**2, **style)
-            here.set(xlabel="frequency (Hz)", ylabel=titled(symbol, unit))
+            passed = {curve.attrs.get("weighting", {}).get(output, "") for curve in curves.values()}
+            through = f" through {passed.pop()}" if len(passed) == 1 and "" not in passed else ""
+            here.set(xlabel="frequency (Hz)", ylabel=titled(f"{symbol}{through}", unit))
             add_grid(here)
         for spare in axes.flat[len(outputs) :]:
             spare.set_axis_off()

@@ -190,11 +190,12 @@ def stated(found: OutputFit) -> list[str]:
 def more(fit: Fit, output: str) -> list[str]:
     """Whether more runs would lower the error."""
     found, unit, y = fit.outputs[output], fit.runs.units[output], fit.runs.responses[output]
-    ahead, share = outlook(fit, output), found.comparison.table.RMSE[found.chosen] / max(np.ptp(y), TINY)
-    if ahead is None:
-        return []
+    share = found.comparison.table.RMSE[found.chosen] / max(np.ptp(y), TINY)
     if share < ENOUGH:
         return [f"There are runs enough for most: the error is {100.0 * share:.2g} % of what the responses span."]
+    ahead = outlook(fit, output)
+    if ahead is None:
+        return []
     if not ahead.helps:
         noise = f"{ahead.noise:.3g} {typeset(unit)}".rstrip()
         return [

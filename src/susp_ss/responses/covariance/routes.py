@@ -53,16 +53,22 @@ KEPT = 4_000_000
 # ten to thirty) is repaid.
 PLENTY, MANY = 1_000_000, 50_000
 
+EVERY = slice(None)
+"""All outputs."""
 
-def covariance_variances(flat: RoadVehicle, space: DesignSpace | SomeDesigns, road: Road, designs: int = 1) -> Array:
+
+def covariance_variances(
+    flat: RoadVehicle, space: DesignSpace | SomeDesigns, road: Road, designs: int = 1, needed: Any = EVERY
+) -> Array:
     """Variances (designs, outputs) of all outputs of a flattened vehicle's designs; `inf` where white velocity passes.
 
-    These may be part of a sweep of more ``designs``, whose number decides what is worth compiling.
+    These may be part of a sweep of more ``designs``, whose number decides what is worth compiling. Outputs that are not
+    ``needed`` may lose digits.
     """
     variances = np.empty((len(flat.layout().outputs), space.size))
     left = _by_polynomials(flat, road, max(designs, space.size), variances)
     for chosen in batches(np.flatnonzero(left), BATCH):
-        variances[:, chosen] = by_matrices(flat, space, road, chosen).T
+        variances[:, chosen] = by_matrices(flat, space, road, chosen, needed=needed).T
     return variances.T
 
 
@@ -72,6 +78,7 @@ def by_matrices(
     road: Road,
     chosen: NDArray[np.int_],
     seen: Callable[[Any], Any] = lambda model: model,
+    needed: Any = EVERY,
 ) -> Array:
     """Variances (chosen, outputs) by the Lyapunov equation, of the outputs that ``seen`` gives a model."""
     model, X, error, through, infinite = moments(flat, space, road, chosen, LOST, seen)
@@ -82,8 +89,8 @@ def by_matrices(
         values, lost = _sound(variance, terms, error, infinite)
     else:
         values, lost = _seen(variance, terms, error, infinite, model, processes(flat, road))
-    if lost.any():
-        raise lost_digits(flat, space, int(chosen[np.argmax(lost)]))
+    if lost[:, needed].any():
+        raise lost_digits(flat, space, int(chosen[np.argmax(lost[:, needed].any(axis=-1))]))
     return values
 
 
@@ -130,10 +137,10 @@ def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Arra
 
 
 def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
-    """Variances (N, outputs) with zeros and infinities in place, and which designs (N,) lost digits of some."""
+    """Variances (N, outputs) with zeros and infinities in place, and which of them lost digits."""
     noise, sound = error[:, None] * terms, error < SOUND
     zero = (variance <= 10.0 * np.maximum(noise, np.finfo(float).eps * terms)) & sound[:, None]
-    lost = np.any(~infinite & ~(noise <= LOST * variance), axis=-1) & ~sound
+    lost = ~infinite & ~(noise <= LOST * variance) & ~sound[:, None]
     return np.where(infinite, np.inf, np.where(zero, 0.0, variance)), lost
 
 
@@ -146,4 +153,4 @@ def _seen(
     if not kept.all():
         still = vanishing_outputs(model, excited)
         variance, kept = np.where(still, 0.0, variance), kept | still
-    return np.where(infinite, np.inf, variance), ~np.all(kept, axis=-1)
+    return np.where(infinite, np.inf, variance), ~kept

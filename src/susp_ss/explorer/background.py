@@ -1,0 +1,146 @@
+"""What takes the explorer seconds: the carpet of a vehicle's springs and dampers, the best of them, and beyond."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..design.bounds import bounds
+from ..design.pareto import ParetoFront, pareto_front
+from ..metrics.ride import ride_metrics
+from ..vehicles.vehicle import joined
+from .compute import Found, Scene
+from .rows import at_places, existing, output_names
+from .state import NOTHING, Given
+from .table import Number
+
+FACTORS = np.geomspace(0.5, 2.0, 7)
+"""Of all springs and all dampers of the carpet, about the model's own."""
+
+POINTS = 5
+"""Of the front."""
+
+DESIGN = ("springs", "dampers")
+"""Groups of the vehicle's table that are the design; all else is the conditions that it meets."""
+
+
+def conditions(state: dict[str, Any], given: Given = NOTHING) -> dict[str, Any]:
+    """A checked state with the model's own springs and dampers: what the background depends on.
+
+    Examples
+    --------
+    >>> from susp_ss.explorer.background import conditions
+    >>> from susp_ss.explorer.state import from_query, query
+    >>> query(conditions(from_query("model=quarter&ks=20000&mu=50")[0]))
+    'model=quarter&mu=50'
+    """
+    own = {row.key: row.default for row in _design(state, given)}
+    usual = given.default(state["model"])
+    return state | {"vehicle": state["vehicle"] | own, "bump": usual["bump"], "bode": usual["bode"]}
+
+
+def background(state: Any, given: Given = NOTHING) -> Found:
+    """The carpet, the Pareto front and the active bound of a state, whatever its springs and dampers are.
+
+    Parameters
+    ----------
+    state : dict
+        As `compute` takes it.
+    given : Given
+        What the explorer was started with.
+
+    Returns
+    -------
+    dict
+        Plain JSON; what cannot be computed is left out, and ``errors`` says why.
+
+        ``carpet``
+            ``x`` and ``y``, metrics by name; ``designs``, their values ``[x, y]`` for each of the factors ``ks`` of all
+            springs (rows) and ``cs`` of all dampers (columns) about the model's own.
+        ``front``
+            ``points`` ``[x, y]`` that no springs and dampers within the sliders' ranges beat in both, and their
+            ``designs`` by name.
+        ``bound``
+            For each of these, the least y of any suspension, active or not, that has no more x, nor any more
+            deflection or tyre load at any wheel.
+
+    Examples
+    --------
+    >>> from susp_ss.explorer.background import background
+    >>> found = background({"model": "quarter"})
+    >>> all(y < passive for (_, y), (_, passive) in zip(found["bound"]["points"], found["front"]["points"]))
+    True
+    """
+    field = Field(state, given)
+    found = Found()
+    for part in (carpet, front, bound):
+        found |= field.attempt(part) or {}
+    return found | {"errors": field.errors}
+
+
+class Field(Scene):
+    """All designs under the conditions of a state."""
+
+    def __init__(self, state: Any, given: Given):
+        super().__init__(state, given)
+        self.state = conditions(self.state, given)
+
+    @cached_property
+    def axes(self) -> tuple[str, str]:
+        """The metrics across and up."""
+        names, _ = output_names(self.vehicle)
+        x, y = (existing(self.state["carpet"][axis], names) for axis in "xy")
+        return x, y
+
+    @cached_property
+    def best(self) -> ParetoFront:
+        """The designs that no other beats."""
+        box = {row.key: (row.least, row.most) for row in _design(self.state, self.given)}
+        return pareto_front(self.vehicle, self.road, box, self.axes[::-1], points=POINTS)
+
+    @cached_property
+    def points(self) -> NDArray[np.float64]:
+        """Their metrics, (points, 2)."""
+        return self.best.table()[list(self.axes)].to_numpy()
+
+
+def carpet(field: Field) -> Found:
+    """Both metrics for every combination of springs and dampers."""
+    car, (x, y) = field.vehicle, field.axes
+    if not _design(field.state, field.given):
+        return {}
+    springs, dampers = (grid.ravel() for grid in np.meshgrid(FACTORS, FACTORS, indexing="ij"))
+    scaled: dict[str, Any] = {
+        name: joined({wheel: own * by for wheel, own in zip(car.wheels, car.at_wheels(name), strict=True)})
+        for name, by in (("ks", springs), ("cs", dampers))
+    }
+    values = {row.name: row.values for row in at_places(ride_metrics(dataclasses.replace(car, **scaled), field.road))}
+    designs = np.stack([values[x], values[y]], axis=-1).reshape(len(FACTORS), len(FACTORS), 2)
+    if not np.isfinite(designs).all():
+        raise ValueError(f"no carpet of {x} and {y}, which are infinite on this road")
+    return {"carpet": {"x": x, "y": y, "ks": FACTORS.tolist(), "cs": FACTORS.tolist(), "designs": designs.tolist()}}
+
+
+def front(field: Field) -> Found:
+    """The best designs, where springs and dampers are all that there is."""
+    if not _design(field.state, field.given) or field.vehicle.layout().controls:
+        return {}
+    return {"front": {"points": field.points.tolist(), "designs": field.best.designs.to_dict("records")}}
+
+
+def bound(field: Field) -> Found:
+    """What no suspension beats, at the same limits as the best designs."""
+    if not front(field):
+        return {}
+    least = bounds(field.straight, field.road, field.axes[::-1], field.best.metrics)
+    met = np.isfinite(least)
+    return {"bound": {"points": np.stack([field.points[met, 0], least[met]], axis=1).tolist()}}
+
+
+def _design(state: dict[str, Any], given: Given) -> list[Number]:
+    rows = given.tables[state["model"]]
+    return [row for row in rows if isinstance(row, Number) and row.table == "vehicle" and row.group in DESIGN]

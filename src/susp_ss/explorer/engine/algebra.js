@@ -1,0 +1,66 @@
+// Dense linear algebra of small real matrices, arrays of rows.
+
+const zeros = (rows, columns) => Array.from({ length: rows }, () => new Float64Array(columns));
+const sum = (x) => x.reduce((total, one) => total + one, 0);
+const transpose = (A) => Array.from(A[0], (_, j) => Float64Array.from(A, (row) => row[j]));
+
+function dot(x, y) {
+  let total = 0;
+  for (let i = 0; i < x.length; i++) total += x[i] * y[i];
+  return total;
+}
+
+function times(A, x) {
+  const out = new Float64Array(A.length);
+  for (let i = 0; i < A.length; i++) out[i] = dot(A[i], x);
+  return out;
+}
+
+// to += factor * x.
+function add(to, x, factor) {
+  for (let i = 0; i < to.length; i++) to[i] += factor * x[i];
+}
+
+function multiply(A, B) {
+  const out = zeros(A.length, B[0].length);
+  for (let i = 0; i < A.length; i++) {
+    for (let k = 0; k < B.length; k++) if (A[i][k] !== 0) add(out[i], B[k], A[i][k]);
+  }
+  return out;
+}
+
+// A^-1 b by elimination with row pivots, as a function of b, with one step of refinement.
+function inverted(A) {
+  const n = A.length, LU = A.map((row) => Float64Array.from(row)), order = LU.map((_, i) => i);
+  for (let k = 0; k < n; k++) {
+    let pivot = k;
+    for (let i = k + 1; i < n; i++) if (Math.abs(LU[i][k]) > Math.abs(LU[pivot][k])) pivot = i;
+    [LU[k], LU[pivot]] = [LU[pivot], LU[k]];
+    [order[k], order[pivot]] = [order[pivot], order[k]];
+    const top = LU[k];
+    for (let i = k + 1; i < n; i++) {
+      const row = LU[i], factor = (row[k] /= top[k]);
+      if (factor !== 0) for (let j = k + 1; j < n; j++) row[j] -= factor * top[j];
+    }
+  }
+  const once = (b) => {
+    const x = new Float64Array(n);
+    for (let i = 0; i < n; i++) {
+      let rest = b[order[i]];
+      for (let j = 0; j < i; j++) rest -= LU[i][j] * x[j];
+      x[i] = rest;
+    }
+    for (let i = n - 1; i >= 0; i--) {
+      let rest = x[i];
+      for (let j = i + 1; j < n; j++) rest -= LU[i][j] * x[j];
+      x[i] = rest / LU[i][i];
+    }
+    return x;
+  };
+  return (b) => {
+    const x = once(b), rest = times(A, x);
+    for (let i = 0; i < n; i++) rest[i] = b[i] - rest[i];
+    add(x, once(rest), 1);
+    return x;
+  };
+}

@@ -1,0 +1,89 @@
+// What the page asks: everything that it shows of a state, as susp_ss.explorer.compute says it.
+
+// The car of a state: what it sets, at the wheels that it means.
+function carOf({ model, vehicle, seat }) {
+  const kind = seat ? `${model}, seated` : model, parameters = {};
+  for (const [name, value] of [...Object.entries(vehicle), ...Object.entries(seat ?? {}).map(([of, value]) => [`seat.${of}`, value])]) {
+    for (const parameter of MODELS[kind].settings[name]) parameters[parameter] = value;
+  }
+  return new Car(kind, parameters);
+}
+
+const metrics = (state) => carOf(state).metrics(state.road);
+
+// JSON has no infinity.
+const finite = (value) => (Number.isFinite(value) ? value : null);
+
+// Why a road has no finite variances, or none that is known here.
+function refused(car, road) {
+  if (!(road.waviness in GAMMA)) return WORDS.waviness;
+  const steep = ({ sign, rates }) => sign === 0 && rates.some((rate) => rate !== 0);
+  return road.waviness >= 3 && !road.cutoff && car.processes[road.tracks].some(steep) ? WORDS.drifting : "";
+}
+
+function overSpeed(car, road) {
+  const values = SPEEDS.map((speed) => car.metrics({ ...road, speed })), own = car.metrics(road);
+  const described = ({ name, label, unit }) => ({ name, label, unit });
+  return {
+    metrics: car.measured.map((one, i) => ({ ...described(one), value: finite(own[i]) })),
+    speeds: {
+      speed: SPEEDS,
+      metrics: car.measured.map((one, i) => ({ ...described(one), values: values.map((some) => finite(some[i])) })),
+    },
+  };
+}
+
+function comfort(car, road) {
+  const variances = {};
+  for (const { weighting } of Object.values(AXES)) variances[weighting] ??= car.variances(road, FILTERS[weighting]);
+  const felt = (axis, row) => Math.sqrt(variances[AXES[axis].weighting][row]);
+  const rotations = Object.entries(car.rotations).map(([axis, { word, row }]) => [axis, word, felt(axis, row)]);
+  return car.points.map(({ point, label, row }) => {
+    const wz = felt("bacc", row), axes = [["bacc", "wz", wz], ...rotations];
+    const total = Math.hypot(...axes.map(([axis, , value]) => AXES[axis].k * value));
+    const words = REACTIONS.filter(([, low, high]) => low <= total && total < high).map(([word]) => word).join(" or ");
+    return { point, label, ...Object.fromEntries(axes.map(([, word, value]) => [word, value])), total, words };
+  });
+}
+
+function overFrequency(car, road, outputs) {
+  const bode = outputs.map((output) => {
+    const { row, input, unit } = car.outputs[output], H = response(car, row, input, FREQUENCIES);
+    const phase = unwrapped(H.map(({ re, im }) => Math.atan2(im, re)));
+    return { output, unit: unit.bode, input: car.inputs[input], magnitude: H.map(modulus), phase };
+  });
+  const psd = outputs.map((output) => {
+    const { row, unit, weighting } = car.outputs[output], S = spectrum(car, row, road, FREQUENCIES);
+    const weighted = weighting && S.map((one, i) => one * FILTERS[weighting].power[i]);
+    return { output, unit: unit.psd, psd: S, weighting, weighted };
+  });
+  return { frequency: FREQUENCIES, bode, psd };
+}
+
+function compute(state) {
+  const car = carOf(state), { road } = state, why = refused(car, road);
+  const found = { errors: why ? [{ parameter: "", message: why }] : [], surrogates: [] };
+  if (!why) Object.assign(found, overSpeed(car, road), { comfort: comfort(car, road) });
+  if (road.waviness in GAMMA) Object.assign(found, overFrequency(car, road, state.bode));
+  return Object.assign(found, { modes: modes(car), bump: bump(car, state.bump) });
+}
+
+// Two metrics for every combination of springs and dampers about the model's own, as susp_ss.explorer.background has them.
+function background(state) {
+  const own = DESIGNS[state.model], { road } = state, errors = [{ parameter: "", message: WORDS.background }];
+  const bare = carOf(state), why = refused(bare, road);
+  if (why) return { errors: [{ parameter: "", message: why }] };
+  const named = (name) => bare.measured.findIndex((one) => one.name === name || one.name.startsWith(`${name}@`));
+  const [x, y] = [named(state.carpet.x), named(state.carpet.y)];
+  const designs = FACTORS.map((ks) => FACTORS.map((cs) => {
+    const by = { springs: ks, dampers: cs };
+    const scaled = Object.fromEntries(own.map(({ key, group, value }) => [key, value * by[group]]));
+    const found = carOf({ ...state, vehicle: { ...state.vehicle, ...scaled } }).metrics(road);
+    return [found[x], found[y]];
+  }));
+  const names = { x: bare.measured[x].name, y: bare.measured[y].name };
+  if (!designs.flat(2).every(Number.isFinite)) {
+    return { errors: [{ parameter: "", message: `a carpet of ${names.x} and ${names.y} is infinite on this road` }] };
+  }
+  return { carpet: { ...names, ks: FACTORS, cs: FACTORS, designs }, errors };
+}

@@ -1,0 +1,254 @@
+"""The explorer's engine in JavaScript, written out of the Python package: cars, a road, and what the ride is worth.
+
+What a vehicle is, its own `linkage` says, traced with `symbols`; spectra, weightings, processes, names, units, bounds
+and words are read off the package's objects. Of its own the engine has linear algebra and the algebra of covariance
+alone (``engine/*.js``), which the tests hold against `compute` on random states.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+from importlib import resources
+from typing import Any
+
+import numpy as np
+from scipy.special import gamma
+
+from ..metrics.comfort import AXES, REACTIONS
+from ..metrics.ride import ride_metrics
+from ..metrics.weightings import filter_of
+from ..quantities import metric_and_place, per_input, signal, unit_of
+from ..responses.excitation import integrated, processes
+from ..responses.positions import form_with_positions, with_positions
+from ..roads.colours import COINCIDENT, colours
+from ..roads.obstacles import obstacle
+from ..roads.road import REFERENCE_WAVENUMBER, TRACKS, Road
+from ..vehicles.second_order import SPLIT
+from ..vehicles.vehicle import Vehicle, joined
+from . import motion
+from .background import DESIGN, FACTORS
+from .compute import SPEEDS
+from .motion import motion_of
+from .rows import at_places, existing, named
+from .seat import seated
+from .spectra import FREQUENCIES
+from .state import NOTHING
+from .symbols import Lines
+from .table import Choice, Number
+
+MODELS = ("full", "quarter", "pitch-half", "roll-half")
+"""Models that the engine knows: rigid bodies on wheels, for which speed is the road's alone."""
+
+SOURCES = ("algebra.js", "complex.js", "covariance.js", "ride.js", "motion.js", "answers.js")
+
+# What JavaScript asks of an assembled car.
+MATRICES = (
+    *("m", "K", "C", "K_in", "C_in", "R", "N", "elongation", "rate", "acceleration", "on_road_velocity"),
+    *("integrators", "damping"),
+)
+
+ROTATIONS = {"wroll": "roll_acc", "wpitch": "pitch_acc"}
+
+
+def assembled(vehicle: Vehicle) -> str:
+    """A function of JavaScript that makes a vehicle's matrices of parameters at every wheel, ``p.ks_fr``."""
+    lines, kind = Lines(), type(vehicle)
+    car = object.__new__(kind)
+    for field in kind.quantities():
+        each = {wheel: lines.given(f"p.{signal(field, wheel)}") for wheel in kind.wheels}
+        value = joined(each) if field in kind.per_corner else lines.given(f"p.{field}")
+        object.__setattr__(car, field, value)
+    model: Any = car.linkage().assemble()
+    _, _, Y, _, _ = form_with_positions(model, car)
+    n, rows = len(model.layout.coordinates), [row for row, _ in placed(vehicle)]
+    parts = {name: getattr(model, name) for name in MATRICES}
+    parts |= {"track_width": car.track_width, "wheelbase": car.wheelbase, "places": Y[rows, :n]}
+    return lines.function(parts)
+
+
+def placed(vehicle: Vehicle) -> list[tuple[int, list[str]]]:
+    """Rows of `form_with_positions` that a drive over a bump shows, and where."""
+    names = with_positions(vehicle.layout(), vehicle).outputs.names
+    points = [name for name in names if name.partition("_")[0] == "z" and name.startswith("z_s")]
+    shown = {points[0]: ["body", "heave"], "pitch": ["body", "pitch"], "roll": ["body", "roll"]}
+    shown |= {signal("z_u", wheel): ["wheels", wheel] for wheel in vehicle.wheels}
+    return [(names.index(name), at) for name, at in shown.items() if name in names]
+
+
+def excitations(vehicle: Vehicle) -> dict[str, Any]:
+    """How a road reaches a vehicle: for each kind of tracks the processes, met by one axle after another."""
+    model, found = vehicle.assemble(), dict[str, Any]()
+    for tracks in TRACKS:
+        found[tracks] = []
+        for process in processes(vehicle, Road(tracks=tracks)):
+            rates, _ = integrated(model, process)
+            found[tracks].append(
+                {
+                    "share": process.share,
+                    "sign": process.sign,
+                    "weights": process.weights[process.axles].tolist(),
+                    "rates": [sum(rate) for rate in rates[process.axles].tolist()],
+                }
+            )
+    return found
+
+
+def surface(sign: int, waviness: float) -> dict[str, Any]:
+    """The road velocity of one track (``sign`` 0), of the mean of both (1) or of half their difference (-1).
+
+    As first-order terms, at unit roughness, speed and track width.
+    """
+    road = Road(roughness=1.0, speed=1.0, waviness=waviness, tracks="isotropic")
+    level, *terms = colours(road, 0.5 if sign else 1.0, sign, np.ones(1))
+    return {"level": level.item(), "terms": np.stack(np.broadcast_arrays(*terms), axis=-1)[0].tolist()}
+
+
+def weighting(name: str) -> dict[str, Any]:
+    """A frequency weighting: its square as first-order terms, and at the frequencies of spectra."""
+    one = filter_of(name, name)
+    level, alphas, low, _ = one.colours
+    parts = np.stack([alphas[0].real, alphas[0].imag, low[0].real, low[0].imag], axis=-1)
+    power = one.power(2.0 * np.pi * np.geomspace(*FREQUENCIES))
+    return {"level": level.item(), "terms": parts.tolist(), "power": power.tolist()}
+
+
+def described(vehicle: Vehicle, asked: tuple[str, ...]) -> dict[str, Any]:
+    """Everything that the engine says of a vehicle but its numbers; ``asked`` are outputs that a state may name."""
+    layout = vehicle.layout()
+    table, names = np.arange(len(layout.outputs)), layout.outputs.names
+    public = names[layout.outputs.public]
+    measured = []
+    for row in at_places(ride_metrics(vehicle, Road())):
+        name, _, place = row.name.partition("@")
+        rows = table[layout.rates if name == "damper_power" else layout.outputs.of(name)]
+        at = layout.variables[name][1].index(place)
+        damper = at if name == "damper_power" else None
+        measured.append(row.described() | {"row": int(rows[at]), "damper": damper})
+    return {
+        "processes": excitations(vehicle),
+        "measured": measured,
+        "rotations": {
+            axis: {"word": word, "row": names.index(axis)} for word, axis in ROTATIONS.items() if axis in names
+        },
+        "points": [
+            {"point": place, "label": named(place), "row": int(row)}
+            for place, row in zip(layout.outputs.places("bacc"), table[layout.outputs.of("bacc")], strict=True)
+        ],
+        "outputs": {name: _output(name, layout, public) for name in asked},
+        "inputs": layout.inputs,
+        "corners": list(vehicle.wheels),
+        "axles": [wheel.axle for wheel in vehicle.wheels.values()],
+        "coordinates": [{"motion": word, "at": at} for word, at in (motion_of(vehicle, q) for q in layout.coordinates)],
+        "placed": [{"at": at} for _, at in placed(vehicle)],
+    }
+
+
+def _output(name: str, layout: Any, public: Any) -> dict[str, Any]:
+    own = existing(name.replace("@", "_"), public, "_")
+    wheel = signal("z_r", name.partition("@")[2])
+    given = wheel if wheel in layout.inputs else layout.inputs[0]
+    axis, unit = AXES.get(metric_and_place(own)[0]), unit_of(own) or "1"
+    return {
+        "row": layout.outputs.names.index(own),
+        "input": layout.inputs.index(given),
+        "unit": {"bode": f"{unit}/{per_input(given)}", "psd": f"({unit})^2/Hz"},
+        "weighting": axis and axis.weighting,
+    }
+
+
+def settings(name: str, vehicle: Vehicle) -> dict[str, list[str]]:
+    """The parameters, at every wheel, that each number of a state of a model sets."""
+    known = {row.key: vehicle.settings()[row.key] for row in numbers(name, "vehicle")}
+    return {
+        key: [signal(field, wheel) for wheel in wheels] if field in vehicle.per_corner else [field]
+        for key, (field, wheels) in known.items()
+    }
+
+
+def model(name: str) -> str:
+    """A model, without a seat and with one, as entries of an object of JavaScript."""
+    bare: Any = NOTHING.models[name]
+    seat = {row.key: row.default for row in numbers(name, "seat")}
+    known = settings(name, bare)
+    asked = next(row for row in NOTHING.tables[name] if isinstance(row, Choice) and row.name == "bode")
+    alone = tuple(output for output in asked.options if output not in asked.seated)
+    occupied = seated(bare, seat)
+    more = [field for field in type(occupied).quantities() if field not in type(bare).quantities()]
+    of_seat = {f"seat.{key}": [next(field for field in more if field.startswith(f"seat_{key}"))] for key in seat}
+
+    def entry(key: str, car: Vehicle, own: dict[str, list[str]], outputs: tuple[str, ...]) -> str:
+        data = json.dumps(described(car, outputs) | {"settings": own})
+        return f"{json.dumps(key)}: {{ ...{data},\nassemble: {assembled(car)} }}"
+
+    return ",\n".join(
+        [entry(name, bare, known, alone), entry(f"{name}, seated", occupied, known | of_seat, asked.options)]
+    )
+
+
+def numbers(name: str, table: str) -> list[Number]:
+    """What the page may set of a table of a model's states."""
+    return [row for row in NOTHING.tables[name] if isinstance(row, Number) and row.table == table]
+
+
+def designs(name: str) -> list[dict[str, Any]]:
+    """Springs and dampers of a model as the page begins with them."""
+    rows = [row for row in numbers(name, "vehicle") if row.group in DESIGN]
+    return [{"key": row.key, "group": row.group, "value": row.default} for row in rows]
+
+
+def wavinesses() -> list[float]:
+    """Those that the slider of the road's waviness stops at."""
+    row = next(row for row in numbers(MODELS[0], "road") if row.key == "waviness")
+    steps = round((row.most - row.least) / row.step)
+    return [round(row.least + i * row.step, 9) for i in range(steps + 1)]
+
+
+def drifting() -> str:
+    """What is said where the ground's warp has no finite variance."""
+    from ..vehicles.full import FullCar
+
+    road = Road(waviness=3.0, tracks="independent")
+    try:
+        ride_metrics(FullCar(), road)
+    except ValueError as error:
+        return str(error).replace(f" ({road.describe()})", "")
+    raise AssertionError("independent tracks of waviness 3 must be refused")
+
+
+def engine() -> str:
+    """The engine as a script.
+
+    It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does,
+    ``background`` the carpet as `susp_ss.explorer.background.background` does; ``metrics`` are the numbers alone.
+    """
+    grid = wavinesses()
+    step = inspect.signature(obstacle).parameters["step"].default
+    constants: dict[str, Any] = {
+        "COINCIDENT": COINCIDENT,
+        "SPLIT": SPLIT,
+        "REFERENCE_WAVENUMBER": REFERENCE_WAVENUMBER,
+        "SPEEDS": SPEEDS.tolist(),
+        "FREQUENCIES": np.geomspace(*FREQUENCIES).tolist(),
+        "SURFACES": {str(sign): {f"{w:g}": surface(sign, w) for w in grid} for sign in (0, 1, -1)},
+        "GAMMA": {f"{w:g}": float(gamma(0.5 * w)) for w in grid},
+        "AXES": {name: axis._asdict() for name, axis in AXES.items()},
+        "WEIGHTINGS": {axis.weighting: weighting(axis.weighting) for axis in AXES.values()},
+        "REACTIONS": REACTIONS,
+        "FACTORS": FACTORS.tolist(),
+        "DESIGNS": {name: designs(name) for name in MODELS},
+        "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
+        | {"spacing": step},
+        "WORDS": {
+            "background": "the Pareto front and what a controller could do are computed by susp-ss explore",
+            "drifting": drifting(),
+            "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
+        },
+    }
+    given = "\n".join(f"const {name} = {json.dumps(value)};" for name, value in constants.items())
+    cars = ",\n".join(map(model, MODELS))
+    sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
+    return (
+        f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
+        "(globalThis.dash_clientside ??= {}).engine = { compute, background, metrics };\n})();\n"
+    )

@@ -1,0 +1,156 @@
+"""The engine in JavaScript beside the package that it is written out of, on random states, in one page of a browser."""
+
+import numpy as np
+import pytest
+
+import susp_ss as ss
+from susp_ss.explorer.background import Field, carpet
+from susp_ss.explorer.compute import compute
+from susp_ss.explorer.javascript import MODELS, engine, wavinesses
+from susp_ss.explorer.state import NOTHING
+from susp_ss.explorer.table import Number
+from susp_ss.roads.road import TRACKS
+
+CARS = 60
+
+
+@pytest.fixture(scope="module")
+def ask(browser):
+    """Call a function of the engine for each of some states."""
+    page = browser.new_page()
+    wrong = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.add_script_tag(content=engine())
+
+    def asked(function, states):
+        return page.evaluate("([name, states]) => states.map(dash_clientside.engine[name])", [function, states])
+
+    yield asked
+    page.close()
+    assert wrong == []
+
+
+def numbers(model, table):
+    return [row for row in NOTHING.tables[model] if isinstance(row, Number) and row.table == table]
+
+
+def drawn(rng, model, seat=False, **road):
+    """A state anywhere within its sliders; half of all cars have no tyre damping, which makes tyre loads infinite."""
+    state = NOTHING.default(model)
+    for table in ("vehicle", "road", "bump", *(["seat"] if seat else [])):
+        own = {row.key: rng.uniform(row.least, row.most) for row in numbers(model, table)}
+        state[table] = (state[table] or {}) | own
+    if rng.random() < 0.5:
+        state["vehicle"] |= {name: 0.0 for name in state["vehicle"] if name.startswith("ct")}
+    state["road"] |= {"waviness": float(rng.choice(wavinesses()))} | road
+    (bode,) = (row for row in NOTHING.tables[model] if row.name == "bode")
+    known = [name for name in bode.options if seat or name not in bode.seated]
+    return state | {"bode": rng.choice(known, 2, replace=False).tolist()}
+
+
+def agree(found, expected, rtol, atol=0.0):
+    """The same at every leaf; lists of numbers within ``rtol`` of their largest."""
+    if isinstance(expected, dict):
+        assert found.keys() == expected.keys()
+        for key, value in expected.items():
+            agree(found[key], value, rtol, atol)
+    elif isinstance(expected, list) and expected and not isinstance(expected[0], (int, float)):
+        assert len(found) == len(expected)
+        for one, other in zip(found, expected, strict=True):
+            agree(one, other, rtol, atol)
+    elif isinstance(expected, (list, float)):
+        most = np.abs(expected).max(initial=0.0)
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=rtol * most + atol)
+    else:
+        assert found == expected
+
+
+# Terms of another waviness than 2 nearly cancel under a cut-off, and so do those of a warp that is hardly bounded:
+# there the package itself keeps no more digits.
+@pytest.mark.parametrize(
+    ("tracks", "waviness", "cutoff", "rtol"),
+    [
+        *((tracks, (2.0,), cutoff, 1e-9) for tracks in TRACKS for cutoff in (0.0, 0.03)),
+        *((tracks, (1.6, 2.5), 0.0, 1e-9) for tracks in ("identical", "isotropic")),
+        ("independent", (1.6,), 0.0, 1e-9),
+        ("independent", (2.5,), 0.0, 1e-8),
+        ("isotropic", (1.6, 2.5), 0.03, 1e-7),
+    ],
+)
+def test_metrics(ask, tracks, waviness, cutoff, rtol):
+    rng = np.random.default_rng(0)
+    for model in MODELS:
+        for one in waviness:
+            road = {"tracks": tracks, "waviness": one, "cutoff": cutoff}
+            states = [drawn(rng, model, **road) for _ in range(CARS // len(waviness))]
+            for state in states:
+                state["vehicle"] |= {name: 0.0 for name in state["vehicle"] if name.startswith("ct")}
+            own = {name: np.array([s["vehicle"][name] for s in states]) for name in states[0]["vehicle"]}
+            speed, roughness = (np.array([s["road"][name] for s in states]) for name in ("speed", "roughness"))
+            metrics = ss.ride_metrics(
+                NOTHING.models[model].replaced(**own), ss.Road(roughness=roughness, speed=speed, **road)
+            )
+            expected = np.hstack([data.values.reshape(len(states), -1) for data in metrics.values()])
+            np.testing.assert_allclose(ask("metrics", states), expected, rtol=rtol, atol=1e-10)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("seat", [False, True])
+def test_whole_states(ask, model, seat):
+    rng = np.random.default_rng(1)
+    states = [drawn(rng, model, seat, cutoff=0.0, tracks=tracks) for tracks in ("identical", "isotropic")]
+    for state, found in zip(states, ask("compute", states), strict=True):
+        expected = compute(state)
+        shapes(found, expected)
+        agree(found, expected, 1e-9, 1e-11)
+
+
+def shapes(found, expected):
+    """Modes' shapes apart: they are the same but for a complex factor."""
+    for one, other in zip(found["modes"], expected["modes"], strict=True):
+        a, b = (np.array(leaves(mode.pop("shape"))) @ [1.0, 1.0j] for mode in (one, other))
+        np.testing.assert_allclose(np.outer(a, b), np.outer(b, a), atol=1e-9)
+
+
+def leaves(shape):
+    return [leaf for part in shape.values() for leaf in (part.values() if isinstance(part, dict) else [part])]
+
+
+def changed(model, **vehicle):
+    state = NOTHING.default(model)
+    return state | {"vehicle": state["vehicle"] | vehicle}
+
+
+# Springs whose modes are the same several times; and a damper by a millionth from critical.
+@pytest.mark.parametrize(
+    ("state", "rtol"),
+    [
+        (changed("pitch-half", a=1.2, b=1.2, iyy=635.0 * 1.2**2), 1e-9),
+        (changed("full", a=1.2, b=1.2, c=0.5, iyy=1270.0 * 1.2**2, ixx=1270.0 * 0.5**2), 1e-9),
+        (changed("quarter", cs=4584.5449909371355 * (1.0 + 1e-6)), 1e-9),
+        (changed("quarter", cs=4584.5449909371355), 1e-6),
+    ],
+)
+def test_modes_that_are_nearly_one(ask, state, rtol):
+    (found,) = ask("metrics", [state])
+    np.testing.assert_allclose(found, [row["value"] for row in compute(state)["metrics"]], rtol=rtol)
+
+
+def test_carpet(ask):
+    state = changed("full", ks_rear=21e3, mb=1400.0)
+    expected = carpet(Field(state, NOTHING))["carpet"]
+    (found,) = ask("background", [state])
+    agree(found["carpet"], expected, 1e-9)
+    assert "susp-ss explore" in found["errors"][0]["message"]
+
+
+def test_what_is_refused_is_said(ask):
+    rng = np.random.default_rng(2)
+    steep = drawn(rng, "full", waviness=3.0, tracks="independent", cutoff=0.0)
+    between = drawn(rng, "full", waviness=2.013)
+    for state, found in zip((steep, between), ask("compute", [steep, between]), strict=True):
+        (error,) = found["errors"]
+        assert "metrics" not in found
+        assert len(found["modes"]) >= 7
+        assert ("warp" if state is steep else "waviness") in error["message"]
+    assert "warp" in compute(steep)["errors"][0]["message"]
