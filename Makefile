@@ -6,7 +6,7 @@ BIN := .venv/bin
 export OPENBLAS_NUM_THREADS ?= 1
 
 # Images of containers set this. The environment comes without bytecode, and each of some hundred processes would compile
-# all that it imports, for five seconds, where now the first to import a module keeps it for the others.
+# all that it imports, for four seconds, where now the first to import a module keeps it for the others.
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: study test test-kernel test-lowest wheel test-wheel docs bench notebooks clean

@@ -170,9 +170,9 @@ def test_memory_needs_no_dask():
     assert "'ks': 2" in done.stdout
 
 
-def test_on_worker_processes():
+def test_on_a_worker_process():
     vehicle = VEHICLES["full, corners"]
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster, Client(cluster):
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0") as cluster, Client(cluster):
         computed = ss.ride_metrics(vehicle, ROAD).compute()
         with pytest.raises(ValueError, match=r"got -1.0 at \(ks=-1.0\)"):
             ss.ride_metrics(ss.QuarterCar(ks=along("ks", 1e4, 2e4, -1.0)), ROAD).compute()
