@@ -226,11 +226,11 @@ def test_slopes_of_a_law_are_the_limits_of_differences(law, at):
 
 @pytest.mark.parametrize("lag", [0.0, 0.01])
 def test_tuning_by_exact_slopes_comes_where_differences_do(lag):
-    start, limits = {"sky": 1500.0, "ground": 300.0, "cs": 900.0}, {"dtl": 420.0}
-    exact = ss.tuned(ss.hybrid(CAR, ROAD, 1500.0, 300.0, lag=lag), start, "bacc", limits)
+    start, limits = {"gain": 1500.0, "cs": 900.0}, {"dtl": 420.0}
+    exact = ss.tuned(ss.skyhook(CAR, ROAD, 1500.0, lag=lag), start, "bacc", limits)
 
-    def law(sky, ground, cs):
-        return ss.hybrid(ss.QuarterCar(cs=cs), ROAD, sky, ground, lag=lag)
+    def law(gain, cs):
+        return ss.skyhook(ss.QuarterCar(cs=cs), ROAD, gain, lag=lag)
 
     other = ss.tuned(law, start, "bacc", limits)
     assert exact.value("bacc") == pytest.approx(other.value("bacc"), rel=1e-5)

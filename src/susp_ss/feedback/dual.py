@@ -153,7 +153,7 @@ def best_gain(plant: Plant, task: Task, start: Solution) -> Law | None:
         method="SLSQP",
         bounds=[(np.log(FLOOR), -np.log(FLOOR))] * len(rows),
         constraints={"type": "ineq", "fun": lambda x: 1.0 - reached(x)[1:], "jac": lambda x: -slope(x)[1:]},
-        options={"maxiter": 100, "ftol": 1e-8},
+        options={"maxiter": 100},
     )
     met = [(values[0], law) for law, values in seen.values() if values[1:].max(initial=0.0) <= 1.0 + MET]
     return Law(min(met, key=lambda one: one[0])[1].K) if met else None
