@@ -1,10 +1,9 @@
-"""Active bounds by `ss.active_bound` beside a semidefinite programme in cvxpy, with Clarabel and with SCS.
+"""Active bounds by `ss.active_bound` beside its semidefinite programme in cvxpy, with Clarabel and with SCS.
 
 Fronts of 20 points of the least body acceleration under limits of suspension travel and tyre load, of the quarter car,
-the car with pitch, and the full car. The programme minimises over the covariance X and ``Y = K X`` (Boyd et al., Linear
-Matrix Inequalities in System and Control Theory (1994), chapter 7); its states are scaled by their own root mean
-squares, it is compiled once for all limits, and solved by one solver after the other. With a delay there is none, for
-what is between the axles makes the state infinite. Writes a table under ``benchmarks/results``.
+the car with pitch, and the full car. The programme is that of ``certify`` (`feedback.semidefinite`), compiled once for
+all limits. With a delay there is none, for what is between the axles makes the state infinite. Writes
+a table under ``benchmarks/results``.
 
     python benchmarks/feedback.py [--points 20]
 """
@@ -13,16 +12,18 @@ import argparse
 import os
 import platform
 import time
-import warnings
+from contextlib import contextmanager
+from functools import partial
 from importlib.metadata import version
+from unittest.mock import patch
 
-import cvxpy as cp
 import numpy as np
-import scipy.linalg
 from report import digits, processor, rows
 from ride_metrics import RESULTS
 
 import susp_ss as ss
+from susp_ss.feedback import bound
+from susp_ss.feedback.semidefinite import SOLVERS, programme
 
 APART = ss.Road.iso8608("B", speed=20.0, tracks="independent", delay=False)
 BEHIND = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
@@ -35,10 +36,6 @@ CASES = {
     "full car, preview": (ss.FullCar(), BEHIND, True),
     "full car, states alone": (ss.FullCar(), BEHIND, False),
 }
-SOLVERS = {"Clarabel": {"solver": "CLARABEL"}, "SCS": {"solver": "SCS", "eps": 1e-6, "max_iters": 5000}}
-
-# Force in N for which the programme's Y is one, in the states' own root mean squares.
-FORCE = 1e3
 
 # Least and largest limit of the front, as a share of the passive car's own.
 SHARES = 0.9, 1.4
@@ -57,48 +54,28 @@ def limits_of(car, road, shares):
     return found
 
 
-def programme(car, road, minimise, names):
-    """The bound as a function of limits by name and a solver's options."""
-    system = car.state_space(input="velocity", actuators=True)
-    wheels, n = len(car.wheels), system.nstates - car.layout().warps
-    sides = sorted({wheel.side for wheel in car.wheels.values()})
-    both = np.array([[wheel.side == side for side in sides] for wheel in car.wheels.values()], dtype=float)
-    A, B, W = system.A[:n, :n], system.B[:n, wheels:], system.B[:n, :wheels] @ both
-    Q = road.intensity * W @ W.T
-    size = np.sqrt(np.diag(scipy.linalg.solve_continuous_lyapunov(A, -Q)))
-    A, B, Q = A / size[:, None] * size, FORCE * B / size[:, None], Q / np.outer(size, size)
-    X, Y = cp.Variable((n, n), symmetric=True), cp.Variable((B.shape[1], n))
-    flow = A @ X + B @ Y
-    holds, scales, shares = [flow + flow.T + Q << 0], {}, {}
-    for name in (minimise, *names):
-        row = system.output_labels.index(name.replace("@", "_"))
-        c, d = system.C[[row], :n] * size, FORCE * system.D[[row], wheels:]
-        scales[name] = np.linalg.norm(c)
-        S, z = cp.Variable((1, 1)), (c @ X + d @ Y) / scales[name]
-        holds.append(cp.bmat([[S, z], [z.T, X]]) >> 0)
-        if name == minimise:
-            goal = S[0, 0]
-        else:
-            shares[name] = cp.Parameter(nonneg=True)
-            holds.append(shares[name] >= S)
-    problem = cp.Problem(cp.Minimize(goal), holds)
-
-    def solved(limits, options):
-        for name, limit in limits.items():
-            shares[name].value = (limit / scales[name]) ** 2
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", "Solution may be inaccurate")
-            problem.solve(**options)
-        return float(np.sqrt(problem.value) * scales[minimise]) if problem.value is not None else np.nan
-
-    return solved
-
-
 def timed(run):
     """Seconds of the processor, which a busy machine does not lengthen, and what was found."""
     start = time.process_time()
     found = run()
     return time.process_time() - start, found
+
+
+@contextmanager
+def clocked():
+    """The seconds of the processor that semidefinite programmes take meanwhile, in a list of one."""
+    clock = [0.0]
+
+    def counted(function, *arguments):
+        seconds, found = timed(lambda: function(*arguments))
+        clock[0] += seconds
+        return found
+
+    def made(*arguments):
+        return partial(counted, counted(programme, *arguments))
+
+    with patch.object(bound, "programme", made):
+        yield clock
 
 
 def measured(name, car, road, preview, points):
@@ -112,13 +89,12 @@ def measured(name, car, road, preview, points):
     row = [name, f"{digits(passive)}", f"{digits(reached[0])} to {digits(reached[-1])}", digits(ours, 2)]
     if road.delay:
         return [*row, "none", "none"]
-    solve = programme(car, road, minimise, limits)
-    at = [{key: float(value[i]) for key, value in limits.items()} for i in range(points)]
     least = reached * (1.0 - np.array([point.unresolved for point in front.points]))
-    for solver, options in SOLVERS.items():
-        seconds, found = timed(lambda options=options: np.array([solve(one, options) for one in at]))
-        apart = least / found - 1.0
-        if solver == "Clarabel":
+    for solver in SOLVERS:
+        with clocked() as clock:
+            found = ss.active_bound(car, road, minimise, limits, certify=solver)
+        seconds, apart = clock[0], least / found.least.values - 1.0
+        if solver == "clarabel":
             assert np.abs(apart).max() < NEAR, (name, apart)
         row.append(f"{digits(seconds, 2)} ({digits(seconds / ours, 2)}), {100 * apart[np.abs(apart).argmax()]:+.3f}%")
     return row
@@ -130,7 +106,8 @@ def main():
     points = parser.parse_args().points
     load, start = os.getloadavg()[0], time.perf_counter()
     # What is imported and compiled once is no part of any row.
-    ss.active_bound(ss.QuarterCar(), APART, "bacc", {"sws": 0.006, "dtl": 430.0})
+    for solver in SOLVERS:
+        ss.active_bound(ss.QuarterCar(), APART, "bacc", {"sws": 0.006, "dtl": 430.0}, certify=solver)
     body = [measured(name, *case, points) for name, case in CASES.items()]
     libraries = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "cvxpy", "clarabel", "scs"))
     text = [
@@ -142,7 +119,9 @@ def main():
         "passive car's travel and tyre loads; in brackets the ratio of seconds to ours, and after it how far our "
         "bound, less what it leaves unresolved, is at most from the programme's.",
         "",
-        *rows(("system", "passive", "bound", "`active_bound`", "cvxpy, Clarabel", "cvxpy, SCS"), body),
+        *rows(
+            ("system", "passive", "bound", "`active_bound`", *(f"and `certify={solver!r}`" for solver in SOLVERS)), body
+        ),
     ]
     (RESULTS / "feedback.md").write_text("\n".join(text) + "\n", encoding="utf-8")
     print("\n".join(text))

@@ -1,6 +1,7 @@
 """What several tests use."""
 
 import contextlib
+import functools
 import os
 import shutil
 import sys
@@ -8,6 +9,7 @@ from typing import NamedTuple
 
 import hypothesis
 import pytest
+import typer.main
 
 from susp_ss import progress
 from susp_ss.cli import main
@@ -57,6 +59,14 @@ def run(capsys):
         return Ran(end.value.code, captured.out, captured.err)
 
     return ran
+
+
+@pytest.fixture(autouse=True, scope="session")
+def commands_built_once():
+    """A process of ours reads one command line, for which all commands are built; that of the tests reads hundreds."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(typer.main, "get_command", functools.cache(typer.main.get_command))
+        yield
 
 
 @pytest.fixture

@@ -29,6 +29,7 @@ ROOMS = (
     "sweep",
     "exchange",
     "presentation",
+    "explorer",
     "cli",
     "__main__",
 )

@@ -80,11 +80,23 @@ def by_semidefinite_programme(car, road, minimise, limits):
 )
 def test_the_bound_is_that_of_the_semidefinite_programme(car, road, minimise, close):
     limits = own_limits(car, road, "sws", "dtl")
-    bound = ss.active_bound(car, road, minimise, limits)
+    bound = ss.active_bound(car, road, minimise, limits, certify="clarabel")
     least = by_semidefinite_programme(car, road, minimise, limits)
+    assert bound.least == pytest.approx(least, rel=5e-5)
     assert least * (1.0 - 1e-4) <= bound.bound <= least * (1.0 + close)
     # What is left is as far as forces have a weight, and said so.
     assert bound.bound * (1.0 - bound.unresolved) == pytest.approx(least, rel=3e-4)
+
+
+@pytest.mark.parametrize("solver", ["clarabel", "scs"])
+@pytest.mark.parametrize("car", [ss.QuarterCar(), ss.PitchHalfCar(), ss.FullCar()])
+def test_both_solvers_certify_the_bound(car, solver):
+    """With limited forces the least is reached: two routes that share nothing agree."""
+    name = "bacc" if isinstance(car, ss.QuarterCar) else "bacc@cg"
+    limits = own_limits(car, APART, "sws", "dtl") | {"force": np.array([150.0, 300.0])}
+    front = ss.active_bound(car, APART, name, limits, certify=solver)
+    np.testing.assert_allclose(front.least, front.bound, rtol=1e-6 if solver == "clarabel" else 2e-4)
+    assert front.points[1].least == float(front.least[1])
 
 
 def test_quarter_and_full_car_fall_to_known_values():
@@ -247,6 +259,8 @@ CAR = ss.FullCar()
         ((CAR, ROAD, "bacc@cg", {"bacc@cg": 0.1}), "is what is minimised"),
         ((CAR, ROAD, "bacc@cg", {"sws": xr.DataArray([0.01], dims="sws")}), "rename it, sws_limit"),
         ((CAR, ROAD, "bacc@cg", {"sws": [0.01, 0.02], "dtl": [400.0] * 3}), "arrays of one length, got 2, 3"),
+        ((CAR, ROAD, "bacc@cg", {}, None, True, "clarabel"), "certify: a semidefinite programme needs"),
+        ((ss.QuarterCar(), ROAD, "bacc", {}, None, True, "mosek"), "certify must be 'clarabel' or 'scs', got 'mosek'"),
         ((ss.QuarterCar(ct=50.0), ROAD, "dtl"), "dtl has no finite variance"),
         ((ss.QuarterCar(ks=[1e4, 2e4]), ROAD), "needs one number for every parameter"),
         ((ss.QuarterCar(), ROAD, "bacc", {"dtl": 200.0, "sws": 0.003}), r"dtl <= 200 N, which is \d+(\.\d+)? at least"),

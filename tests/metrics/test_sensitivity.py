@@ -68,14 +68,15 @@ def check_by_differences(vehicle, road, names, rounding):
         metrics = around(vehicle, road, name, step)
         for kind, slope in slopes.sel(parameter=name, drop=True).items():
             # The squares of what is an RMS, which are smooth even where symmetry makes it zero.
-            power = 1 if kind == "damper_power" else 2
-            moment, slope = metrics[kind] ** power, slope * power * here[kind] ** (power - 1)
-            expected = (moment * xr.DataArray(WEIGHTS, dims="design")).sum("design", skipna=False) / step
+            power, value = 1 if kind == "damper_power" else 2, here[kind].values
+            moment = metrics[kind].transpose("design", ...).values ** power
+            found = slope.values * power * value ** (power - 1)
+            expected = WEIGHTS @ moment / step
             # What ride_metrics loses to rounding, over the step, is the noise of a difference.
-            noise = rounding * np.abs(WEIGHTS).sum() * moment.max("design") / step
-            allowed = 1e-6 * abs(expected) + noise
-            none = np.isnan(slope) & (np.isinf(here[kind]) | (here[kind] == 0.0))
-            assert bool((none | (abs(slope - expected) <= allowed)).all()), (name, kind, slope.values, expected.values)
+            noise = rounding * np.abs(WEIGHTS).sum() * moment.max(axis=0) / step
+            allowed = 1e-6 * np.abs(expected) + noise
+            none = np.isnan(found) & (np.isinf(value) | (value == 0.0))
+            assert (none | (np.abs(found - expected) <= allowed)).all(), (name, kind, found, expected)
 
 
 CASES = [
@@ -178,19 +179,20 @@ def test_units_of_mass_length_and_time_are_free(vehicle, road):
     every = parameters(vehicle, road)
     names = [name for name in every if name in OF_ROAD or len(leaves(vehicle, name)[2]) == 1]
     fields = [name if name in OF_ROAD else leaves(vehicle, name)[0] for name in names]
-    sizes = xr.DataArray([every[name] for name in names], dims="parameter")
+    sizes = np.array([every[name] for name in names])
     slopes, metrics = ss.sensitivity(vehicle, road, names), ss.ride_metrics(vehicle, road)
-    for unit in range(3):
-        exponents = xr.DataArray([ALONG[field][unit] for field in fields], dims="parameter")
-        for kind, slope in slopes.items():
-            if not np.isfinite(metrics[kind]).all() or (metrics[kind] == 0.0).any():
-                continue
-            # Near symmetry a rotation is a small difference of large motions, and has as many digits less.
-            if kind in ("pitch_acc", "roll_acc") and metrics[kind] < 1e-3 * metrics.bacc.max():
-                continue
-            terms = (exponents * sizes * slope).drop_vars("parameter")
-            error = abs(terms.sum("parameter") - OF_METRICS[kind][unit] * metrics[kind])
-            assert bool((error <= 1e-8 * (abs(terms).sum("parameter") + metrics[kind])).all()), (unit, kind)
+    for kind, slope in slopes.items():
+        value = metrics[kind].values
+        if not np.isfinite(value).all() or (value == 0.0).any():
+            continue
+        # Near symmetry a rotation is a small difference of large motions, and has as many digits less.
+        if kind in ("pitch_acc", "roll_acc") and value < 1e-3 * metrics.bacc.values.max():
+            continue
+        by_share = slope.transpose(..., "parameter").values * sizes
+        for unit in range(3):
+            terms = by_share * [ALONG[field][unit] for field in fields]
+            error = np.abs(terms.sum(axis=-1) - OF_METRICS[kind][unit] * value)
+            assert (error <= 1e-8 * (np.abs(terms).sum(axis=-1) + value)).all(), (unit, kind)
 
 
 @given(models.vehicles, models.roads)

@@ -19,6 +19,7 @@ from . import (
     comfort,
     doctor,
     events,
+    explore,
     export,
     fit,
     handling,
@@ -47,6 +48,7 @@ for _module in (
     predict,
     bound,
     optimise,
+    explore,
     export,
     doctor,
 ):

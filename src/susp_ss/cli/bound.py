@@ -1,6 +1,7 @@
 """``susp-ss bound``: how far any suspension could go, beside the passive vehicle."""
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -51,6 +52,14 @@ def run(
         bool,
         typer.Option("--no-preview", help="The best gain found on the states alone, blind to the road between axles."),
     ] = False,
+    certify: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SOLVER",
+            help="Solve it as one semidefinite programme as well, by clarabel or scs; without an axle delay.",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -75,7 +84,9 @@ def run(
         check_result(out, ActiveBound, force)
     limits = dict(_limit(text, trust_units) for text in limit or [])
     with refusals(), Console(stderr=True).status("computing"):
-        found = active_bound(vehicle, road, minimise, limits, weightings(weighting or []), preview=not no_preview)
+        found = active_bound(
+            vehicle, road, minimise, limits, weightings(weighting or []), preview=not no_preview, certify=certify
+        )
         if out:
             save(found, out, force=force)
     typer.echo(json.dumps(_document(found), indent=2) if as_json else report(found), nl=as_json)
@@ -98,6 +109,7 @@ def _document(found: "ActiveBound") -> dict[str, Any]:
         "minimise": found.minimise,
         "bound": found.bound,
         "unresolved": found.unresolved,
+        "least": None if math.isnan(found.least) else found.least,
         "preview": found.preview,
         "limits": dict(found.limits),
         "multipliers": dict(found.multipliers),

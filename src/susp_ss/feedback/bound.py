@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -16,6 +16,7 @@ from .dual import LIGHT, MET, RESOLVED, SLOWEST, Solution, Task, best_gain, solv
 from .plant import Plant, plant
 from .preview import Law
 from .result import Feedback
+from .semidefinite import check_solver, programme
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,6 +38,8 @@ class ActiveBound(Feedback):
         of a gain that is only the best found.
     preview : bool
         Whether the law also acts on what it knows of the road ahead of the axles behind.
+    least : float
+        No law comes below this, by the semidefinite programme; NaN where that was not asked for, or had no answer.
     """
 
     minimise: str = ""
@@ -45,6 +48,7 @@ class ActiveBound(Feedback):
     limits: Mapping[str, float] = field(default_factory=dict)
     multipliers: Mapping[str, float] = field(default_factory=dict)
     preview: bool = True
+    least: float = float("nan")
 
     def __repr__(self) -> str:
         metric, _, place = self.minimise.partition("@")
@@ -70,6 +74,8 @@ class ActiveFront:
         Of the vehicle by itself.
     limits : dict of str to DataArray
         Of every output that was limited, by its name with its place.
+    least : xarray.DataArray
+        As of an `ActiveBound`, over the same dims.
     points : list of ActiveBound or None
         In the order of the flattened dims.
     """
@@ -80,6 +86,7 @@ class ActiveFront:
     multipliers: xr.Dataset
     passive: xr.Dataset
     limits: Mapping[str, xr.DataArray]
+    least: xr.DataArray
     points: list[ActiveBound | None]
 
     def __repr__(self) -> str:
@@ -101,6 +108,7 @@ def active_bound(
     limits: Mapping[str, Any] | None = None,
     weighting: Any = None,
     preview: bool = True,
+    certify: str | None = None,
 ) -> ActiveBound | ActiveFront:
     """Least root mean square of one output over all feedback laws under limits of others, and the law that reaches it.
 
@@ -124,6 +132,9 @@ def active_bound(
         As in `ride_metrics`: outputs are minimised and limited behind their filters.
     preview : bool
         False: the law is a gain on the vehicle's states alone.
+    certify : {"clarabel", "scs"}, optional
+        Solve the problem by this solver as one semidefinite programme as well (``feedback.semidefinite``), for `least`.
+        The road's velocity must be white and come to all axles at once: ``Road(delay=False)``.
 
     Returns
     -------
@@ -133,7 +144,7 @@ def active_bound(
     ------
     TypeError, ValueError
         An output without a place or of no finite variance; limits that no law meets, with the least value that each
-        can have while the others are met.
+        can have while the others are met; ``certify`` on a road with a delay or a colour.
 
     Notes
     -----
@@ -155,6 +166,12 @@ def active_bound(
     active bound on QuarterCar: bacc >= 0.6014 m/s^2, passive 0.6842
     >>> bool(abs(ss.ride_metrics(best.closed, road).bacc / best.bound - 1.0) < 1e-6)
     True
+
+    The same by a semidefinite programme, with which the law shares nothing:
+
+    >>> best = ss.active_bound(car, road, "bacc", dict(best.limits), certify="clarabel")
+    >>> bool(abs(best.least / best.bound - 1.0) < 1e-5)
+    True
     """
     if not isinstance(preview, (bool, np.bool_)):
         raise TypeError(f"preview must be True or False, got {briefly(preview)}")
@@ -165,8 +182,15 @@ def active_bound(
     ((name, row),) = goal.items()
     grid = _limits(known, {} if limits is None else limits, name)
     problem = _Problem(known, vehicle, ride_metrics(vehicle, road, weighting=weighting), name, row, preview)
+    tasks = [
+        problem.task({str(one): float(value.values[at]) for one, value in grid.items()})
+        for at in np.ndindex(*grid.sizes.values())
+    ]
+    if certify is not None:
+        check_solver(certify, known)
+        problem = problem._replace(least=programme(known, tasks[0], certify))
     if not grid.sizes:
-        task = problem.task({str(one): float(value) for one, value in grid.items()})
+        (task,) = tasks
         found, solved = problem.bound(task)
         if found is None and solved is not None:
             raise ValueError("limits: no gain on the states alone was found that meets them; pass preview=True")
@@ -175,10 +199,8 @@ def active_bound(
         return found
     points: list[ActiveBound | None] = []
     last: Solution | None = None
-    for at in tracked(np.ndindex(*grid.sizes.values()), "bounding"):
-        found, last = problem.bound(
-            problem.task({str(one): float(value.values[at]) for one, value in grid.items()}), last
-        )
+    for task in tracked(tasks, "bounding"):
+        found, last = problem.bound(task, last)
         points.append(found)
     return _front(grid, points, problem)
 
@@ -192,6 +214,7 @@ class _Problem(NamedTuple):
     name: str
     row: int
     preview: bool
+    least: Callable[[Task], float] = lambda task: float("nan")
 
     def task(self, limits: Mapping[str, float]) -> Task:
         """The outputs of the system behind names, in proportion to the passive vehicle."""
@@ -247,6 +270,7 @@ class _Problem(NamedTuple):
             limits=dict(zip(task.names, limits.tolist(), strict=True)),
             multipliers={} if blind else dict(zip(task.names, prices.tolist(), strict=True)),
             preview=self.preview,
+            least=float(np.sqrt(self.least(task))),
         ), fine
 
 
@@ -321,7 +345,7 @@ def _front(grid: xr.Dataset, points: list[ActiveBound | None], problem: _Problem
     rows = [missing if point is None else point.metrics for point in points]
     metrics = xr.concat(rows, dim="point_", combine_attrs="override")
     names = [str(name) for name in grid.data_vars]
-    metric = problem.name.partition("@")[0]
+    unit = met.metrics[problem.name.partition("@")[0]].attrs["units"]
     stacked = {
         name: ((*dims, *data.dims[1:]), data.values.reshape(*shape, *data.shape[1:]), met.metrics[name].attrs)
         for name, data in metrics.data_vars.items()
@@ -329,12 +353,13 @@ def _front(grid: xr.Dataset, points: list[ActiveBound | None], problem: _Problem
     labels = {name: coord for name, coord in metrics.coords.items() if "point_" not in coord.dims}
     return ActiveFront(
         minimise=problem.name,
-        bound=over([np.nan if p is None else p.bound for p in points], units=met.metrics[metric].attrs["units"]),
+        bound=over([np.nan if p is None else p.bound for p in points], units=unit),
         metrics=xr.Dataset(stacked, {**labels, **grid.coords}),
         multipliers=xr.Dataset(
             {name: over([np.nan if p is None else p.multipliers.get(name, np.nan) for p in points]) for name in names}
         ),
         passive=problem.passive,
         limits={str(name): limit for name, limit in grid.items()},
+        least=over([np.nan if p is None else p.least for p in points], units=unit),
         points=points,
     )

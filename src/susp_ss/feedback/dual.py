@@ -7,6 +7,7 @@ known in closed form with all that an axle behind knows ahead; its variances les
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from .plant import Plant
 from .preview import Law, optimal
+from .slopes import by_weights
 
 Array = NDArray[np.float64]
 
@@ -111,7 +113,7 @@ def best_gain(plant: Plant, task: Task, start: Solution) -> Law | None:
     """The best gain on the states alone, among those that are optimal for some weights of outputs and forces.
 
     The problem is not convex where the same road comes twice: this descends from the weights of the solution with
-    preview, its gradient by differences. None where it finds no gain that meets the limits.
+    preview. None where it finds no gain that meets the limits.
     """
     from scipy.optimize import minimize
 
@@ -120,26 +122,38 @@ def best_gain(plant: Plant, task: Task, start: Solution) -> Law | None:
     free = (sizes > 0.0) & ~plant.infinite
     rows, sizes = plant.rows[free], sizes[free]
     costs = task.weights(len(plant.system.C), plant.forces, start.multipliers, LIGHT[-1])
-    last, seen = start.law.K, dict[bytes, tuple[Array, Array]]()
+    told, units = np.append(task.row, task.rows), np.append(task.size, task.limits)
+    last, seen = start.law, dict[bytes, tuple[Law, Array]]()
 
     def reached(logarithms: Array) -> Array:
+        """The variance minimised, and those limited, in their units."""
         nonlocal last
         key = logarithms.tobytes()
         if key not in seen:
             weights = np.zeros(len(costs))
             weights[rows] = np.exp(logarithms) / sizes
-            last = optimal(plant.system, weights, last).K
-            found = plant.variances(Law(last))
-            seen[key] = last, np.append(found[task.row] / task.size, 1.0 - found[task.rows] / task.limits)
+            last = optimal(plant.system, weights, last.K)
+            seen[key] = last, plant.variances(Law(last.K))[told] / units
         return seen[key][1]
+
+    @lru_cache(maxsize=1)
+    def slopes(key: bytes) -> Array:
+        law = seen[key][0]
+        by_weight = by_weights(plant.system, plant.noises, law, told)
+        return by_weight[:, rows] * law.weights[rows] / units[:, None]
+
+    def slope(logarithms: Array) -> Array:
+        reached(logarithms)
+        return slopes(logarithms.tobytes())
 
     minimize(
         lambda x: 0.5 * np.log(reached(x)[0]),
         np.log((costs[rows] * sizes).clip(min=FLOOR)),
+        jac=lambda x: 0.5 * slope(x)[0] / reached(x)[0],
         method="SLSQP",
         bounds=[(np.log(FLOOR), -np.log(FLOOR))] * len(rows),
-        constraints={"type": "ineq", "fun": lambda x: reached(x)[1:]},
-        options={"maxiter": 60, "eps": 1e-4},
+        constraints={"type": "ineq", "fun": lambda x: 1.0 - reached(x)[1:], "jac": lambda x: -slope(x)[1:]},
+        options={"maxiter": 100, "ftol": 1e-8},
     )
-    met = [(values[0], K) for K, values in seen.values() if values[1:].min(initial=0.0) >= -MET]
-    return Law(min(met, key=lambda one: one[0])[1]) if met else None
+    met = [(values[0], law) for law, values in seen.values() if values[1:].max(initial=0.0) <= 1.0 + MET]
+    return Law(min(met, key=lambda one: one[0])[1].K) if met else None

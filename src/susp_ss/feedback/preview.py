@@ -126,12 +126,12 @@ def _variances(system: System, noise: Noise, law: Law) -> Array:
     forwards, backwards = np.zeros_like(F), np.zeros_like(Ac)
     for (s, s_end, x_rest, rest), T, jump in zip(ahead, lengths, jumps[1:], strict=True):
         psi = X - np.r_[Z @ s + x_rest, np.zeros(r)]
-        carried, crossed = _carried(F, psi, s_end, Ac, T)
-        forwards += np.outer(psi, psi) - np.outer(carried, carried)
+        gone, crossed = carried(F, psi, s_end, Ac, T)
+        forwards += np.outer(psi, psi) - np.outer(gone, gone)
         backwards += np.outer(s_end, s_end) - np.outer(s, s)
-        moving = H @ np.linalg.solve(F, carried - psi) + L @ np.linalg.solve(Ac.T, s - s_end)
+        moving = H @ np.linalg.solve(F, gone - psi) + L @ np.linalg.solve(Ac.T, s - s_end)
         total += 2.0 * np.einsum("mi,ij,mj->m", H, crossed, L) + rest * (T * rest + 2.0 * moving)
-        X = carried + np.r_[Z @ s_end + x_rest, np.zeros(r)] + jump
+        X = gone + np.r_[Z @ s_end + x_rest, np.zeros(r)] + jump
     total += _squares(F, forwards + np.outer(X, X), H)
     return total + _squares(Ac.T, backwards, L) if backwards.any() else total
 
@@ -172,7 +172,7 @@ def _ahead(
     return found[::-1]
 
 
-def _carried(F: Array, psi: Array, s_end: Array, Ac: Array, T: float) -> tuple[Array, Array]:
+def carried(F: Array, psi: Array, s_end: Array, Ac: Array, T: float) -> tuple[Array, Array]:
     """``e^(F T) psi``, and the integral of ``e^(F t) psi s^T e^(Ac (T - t))`` over the interval (Van Loan 1978)."""
     n, size = len(F), (np.linalg.norm(psi) * np.linalg.norm(s_end)) or 1.0
     grown = scipy.linalg.expm(T * np.block([[F, np.outer(psi, s_end) / size], [np.zeros((len(Ac), n)), Ac]]))

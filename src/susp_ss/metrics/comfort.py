@@ -237,12 +237,23 @@ def comfort(
 def reaction(total: xr.DataArray) -> xr.DataArray:
     """The standard's words for total values in m/s^2, joined by "or" where bands overlap."""
     edges = np.unique([edge for _, *ends in REACTIONS for edge in ends])[1:-1]
-    within = [[word for word, low, high in REACTIONS if low <= at < high] for at in (0.0, *edges)]
-    words = np.array([" or ".join(some) for some in within])
+    words = np.array([in_words(at) for at in (0.0, *edges)])
     named: xr.DataArray = xr.apply_ufunc(
         lambda values: words[np.digitize(values, edges)], total, dask="parallelized", output_dtypes=[words.dtype]
     )
     return named
+
+
+def in_words(total: float) -> str:
+    """The same of one total value in m/s^2.
+
+    Examples
+    --------
+    >>> from susp_ss.metrics.comfort import in_words
+    >>> in_words(0.4), in_words(0.55)
+    ('a little uncomfortable', 'a little uncomfortable or fairly uncomfortable')
+    """
+    return " or ".join(word for word, low, high in REACTIONS if low <= total < high)
 
 
 def doubtful(metrics: xr.Dataset) -> xr.DataArray:

@@ -177,10 +177,10 @@ def vanishing_outputs(model: Model, excited: list[Process]) -> NDArray[np.bool_]
     """
     rates = np.abs(np.linalg.eigvals(model.A))
     H = model.relative_transfer(np.geomspace(rates.min(), rates.max(), 5))
-    still = np.ones((*H.shape[:-3], H.shape[-2]), dtype=bool)
+    still = np.ones(H.shape[:-2], dtype=bool)
     for process in excited:
-        for weights in process.weights:
-            still &= np.all(np.abs(H @ weights) <= DRIFT * (np.abs(H) @ np.abs(weights)), axis=-2)
+        moved, sizes = process.weights @ H, np.abs(process.weights) @ np.abs(H)
+        still &= np.all(np.abs(moved) <= DRIFT * sizes, axis=(-2, -1))
         for rate in integrated(model, process)[0]:
             still &= (model.on_integrators @ rate[..., None])[..., 0] == 0.0
     return still

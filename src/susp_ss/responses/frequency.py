@@ -14,7 +14,7 @@ from ..vehicles.parameters import blocks, number_array
 from .excitation import check_kinds, delays, integrated, processes, spanned
 
 # Numbers that are at work at once.
-TOGETHER = 2e5
+TOGETHER = 1e6
 
 
 def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArray:
@@ -60,11 +60,11 @@ def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArr
     H = np.empty((space.size, len(outputs), len(inputs), len(f)), dtype=complex)
     for part in blocks(space.size, int(TOGETHER // (len(layout.outputs) * len(inputs) * len(f)) + 1)):
         model = flat.select(part).assemble()
-        heights = len(layout.inputs)
-        H[part, :, :heights] = np.moveaxis(model.transfer(omega)[..., public, :], -3, -1)
-        H[part, :, :heights] *= 1j * omega
+        heights = H[part, :, : len(layout.inputs)]
+        np.multiply(1j * omega, model.relative_transfer(omega)[..., public, :, :], out=heights)
+        heights += (model.on_integrators @ model.integrators)[..., public, :, None]
         if layout.controls:
-            H[part, :, heights:] = np.moveaxis(_controlled(model, omega)[..., public, :], -3, -1)
+            H[part, :, len(layout.inputs) :] = np.moveaxis(_controlled(model, omega)[..., public, :], -3, -1)
     labels = {"output": list(outputs), "input": list(inputs), "frequency": f}
     result = space.unflatten(H, ("output", "input", "frequency"), labels).rename("frequency_response")
     result.frequency.attrs["units"] = "Hz"
@@ -125,30 +125,29 @@ def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike, cross: bool = Fa
     outputs = list(table.names[table.public])
     dims = ("output", "output_") if cross else ("output",)
     S = np.empty((space.size, *(len(outputs) for _ in dims), len(f)), dtype=complex if cross else float)
-    for part in blocks(space.size, int(TOGETHER // (S[0].size + 1) + 1)):
+    for part in blocks(space.size, int(TOGETHER // (len(table) * max(S.shape[1], len(vehicle.wheels)) * len(f)) + 1)):
         some = flat.select(part)
         wholes = _wholes(some, some.assemble(), road.select(part), f)
-        found: Any = sum(map(_outer if cross else squared, wholes))
-        S[part] = np.moveaxis(found, -1 - len(dims), -1)
+        S[part] = sum(map(_outer if cross else squared, wholes))
     result = space.unflatten(S, (*dims, "frequency"), {**dict.fromkeys(dims, outputs), "frequency": f}).rename("psd")
     result.frequency.attrs["units"] = "Hz"
     return result
 
 
 def _wholes(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray) -> list[NDArray]:
-    """What each process does to the public outputs, (designs..., F, outputs), in roots of their densities per Hz."""
+    """What each process does to the public outputs, (designs..., outputs, F), in roots of their densities per Hz."""
     found = effects(vehicle, model, road, f, model.relative_transfer(2.0 * np.pi * f))
-    return [(np.sqrt(effect.velocity) * effect.whole)[..., model.layout.outputs.public] for effect in found]
+    return [(np.sqrt(effect.velocity) * effect.whole)[..., model.layout.outputs.public, :] for effect in found]
 
 
 def _outer(whole: NDArray) -> NDArray:
-    return np.asarray(whole[..., :, None] * whole[..., None, :].conj())
+    return np.asarray(whole[..., :, None, :] * whole[..., None, :, :].conj())
 
 
 class Effect(NamedTuple):
-    """What one process does to all outputs at frequencies, of arrays (designs..., F, outputs) for each of its axles.
+    """What one process does to all outputs at frequencies, of arrays (designs..., outputs, F) for each of its axles.
 
-    ``velocity`` (designs..., F, 1) is the one-sided density per Hz of its rate, ``s`` (designs..., F, 1) is ``j w``.
+    ``velocity`` (designs..., 1, F) is the one-sided density per Hz of its rate, ``s`` (designs..., 1, F) is ``j w``.
     ``alone`` is what each axle makes of the rate as if it met it at once, ``taus`` by how much later it does. What
     integrates, such as the warp of the road, is in ``warps``, and what is left of it after all axles in ``drift``.
     """
@@ -193,7 +192,7 @@ def effects(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, H: NDArr
     ``H`` is `Model.relative_transfer` there.
     """
     omega = 2.0 * np.pi * f
-    s = 1j * omega[..., None]
+    s = 1j * omega[..., None, :]
     taus = [np.asarray(tau)[..., None, None] for tau in delays(vehicle, road)]
     width = np.asarray(vehicle.track_width)[..., None]
     road = road.mapped(lambda x: np.asarray(x)[..., None])
@@ -202,7 +201,7 @@ def effects(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, H: NDArr
         velocity = velocity * road.weighting.power(omega)
 
     def warped(rate: NDArray) -> NDArray:
-        return np.asarray((model.on_integrators @ rate[..., None])[..., None, :, 0] / s)
+        return np.asarray(model.on_integrators @ rate[..., None] / s)
 
     found = []
     for process in processes(vehicle, road):
@@ -212,9 +211,9 @@ def effects(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, H: NDArr
             share = 0.5 * (apart if process.sign < 0 else 2.0 - apart)
         rates, drift = integrated(model, process)
         warps = [warped(rates[axle]) for axle in process.axles] if rates.any() else []
-        alone = list(np.moveaxis(H @ process.weights[process.axles].T, -1, 0))
+        alone = list(np.moveaxis(process.weights[process.axles] @ H, -2, 0))
         late = [taus[axle] for axle in process.axles]
-        found.append(Effect((share * velocity)[..., None], s, late, alone, warps, warped(drift) if warps else None))
+        found.append(Effect((share * velocity)[..., None, :], s, late, alone, warps, warped(drift) if warps else None))
     return found
 
 

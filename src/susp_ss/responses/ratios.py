@@ -78,13 +78,16 @@ def transmissibility(
         if unit_of(output) != "m/s^2":
             raise ValueError(f"output: over the road it must be an acceleration in m/s^2, got {output!r}")
         # The first process is the mean of both tracks.
-        T = (found[0].whole / found[0].s)[..., row]
+        T = (found[0].whole / found[0].s)[..., row, :]
     else:
         below = model.layout.outputs.names.index(over)
         if np.any(vanishing_outputs(model, processes(flat, road))[..., below]):
             raise ValueError(f"over: no wheel moves {over!r} on such a road ({road.describe()})")
         both, alone = (
-            sum((effect.velocity * effect.whole * effect.whole[..., [below]].conj())[..., one] for effect in found)
+            sum(
+                effect.velocity[..., 0, :] * effect.whole[..., one, :] * effect.whole[..., below, :].conj()
+                for effect in found
+            )
             for one in (row, below)
         )
         T = both / alone

@@ -98,17 +98,17 @@ def _integral(
     half = np.where(where == BETWEEN, 0.5 * (end - start), panels.half)
     in_log = np.exp(panels.centre[:, None] + panels.half[:, None] * X)
     omega = np.where(linear, 0.5 * (start + end)[:, None] + half[:, None] * X, in_log)
-    scale = (np.where(linear, 1.0, omega) / (2.0 * np.pi))[..., None]
+    scale = (np.where(linear, 1.0, omega) / (2.0 * np.pi))[:, None]
     weights = half[:, None] * WEIGHTS
     H = model.relative_transfer(omega)
     found = effects(vehicle, model, road, omega / (2.0 * np.pi), H)
     below, further = np.flatnonzero(where == BELOW), np.flatnonzero(where != BELOW)
-    density = np.zeros(H.shape[:-1])
+    density = np.zeros((*H.shape[:2], NODES))
     for effect in found:
         density[below] += effect.velocity[below] * squared(effect.at(below).whole)
         density[further] += effect.velocity[further] * sum(map(squared, effect.at(further).each))
     integral, error = _summed(weights, scale * density), _left_out(scale * density, half, np.zeros(len(half)))
-    alone = _summed(weights, scale * found[0].velocity * squared(H).sum(axis=-1))
+    alone = _summed(weights, scale * found[0].velocity * squared(H).sum(axis=-2))
     last = (where == BETWEEN) & (panels.end == marked.high[panels.design])
     for effect in (effect.at(further) for effect in found if len(further) and len(effect.taus) > 1):
         for (first, one), (second, other) in combinations(zip(effect.taus, effect.each, strict=True), 2):
@@ -133,8 +133,8 @@ def _turning(half: Array, start: Array, end: Array, last: NDArray[np.bool_], tau
 
 
 def _summed(weights: NDArray, values: NDArray) -> NDArray:
-    """Weighted sums (P, outputs) of values (P, NODES, outputs)."""
-    return np.asarray((weights[:, None, :] @ values)[:, 0])
+    """Weighted sums (P, outputs) of values (P, outputs, NODES)."""
+    return np.asarray((values @ weights[..., None])[..., 0])
 
 
 def _left_out(values: NDArray, half: Array, turns: Array) -> Array:
@@ -143,7 +143,7 @@ def _left_out(values: NDArray, half: Array, turns: Array) -> Array:
     By Gauss's rule those from twice the number of nodes on, or, the more ``turns`` (P,) of phase there are, from that
     number on.
     """
-    last = np.abs(SERIES[-2:] @ values).max(axis=1)
-    peak = np.abs(values).max(axis=1)
+    last = np.abs(values @ SERIES[-2:].T).max(axis=-1)
+    peak = np.abs(values).max(axis=-1)
     fallen = np.divide(last, peak, out=np.zeros_like(peak), where=peak > 0.0)
     return np.asarray(2.0 * half[:, None] * peak * fallen ** (2.0 - np.minimum(turns / NODES, 1.0))[:, None])

@@ -61,15 +61,11 @@ class Model(Protocol):
         """Outputs per road velocity passed straight on, (designs..., outputs, inputs)."""
         ...
 
-    def relative_transfer(self, omega: Array) -> Array:
-        """Outputs per road velocity without what integrates, (designs..., F, outputs, inputs), at ``omega``.
+    def relative_transfer(self, omega: Array) -> NDArray[np.complex128]:
+        """Outputs per road velocity without what integrates, (designs..., outputs, inputs, F), at ``omega``.
 
         That is (F,), or (designs, F).
         """
-        ...
-
-    def transfer(self, omega: Array) -> Array:
-        """The same with what integrates."""
         ...
 
     def displacement_form(self) -> tuple[Array, Array, Array, Array, Array]:

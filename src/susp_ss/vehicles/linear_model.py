@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .parting import Growing, Parted, parted
-from .second_order import CARRIED, Array, Layout, beyond_rounding
+from .second_order import CARRIED, Array, Layout, beyond_rounding, real_times
 
 # A state of which no larger share than this is left out with what no output sees has a covariance.
 LEFT_OUT = 1e-6
@@ -67,16 +67,11 @@ class LinearModel:
         D = self.C @ self.B + self.on_integrators @ self.integrators
         return self.A, self.A @ self.B, self.C, D, self.on_road_velocity
 
-    def relative_transfer(self, omega: Array) -> Array:
-        """``C (j w I - A)^-1 B + D`` at ``omega`` (F,) or (N, F), (N, F, outputs, inputs)."""
+    def relative_transfer(self, omega: Array) -> NDArray[np.complex128]:
+        """``C (j w I - A)^-1 B + D`` at ``omega`` (F,) or (N, F), (N, outputs, inputs, F)."""
         s = 1j * np.asarray(omega, dtype=float)[..., None, None]
         x = np.linalg.solve(s * np.eye(self.A.shape[-1]) - self.A[:, None], self.B[:, None].astype(complex))
-        return np.asarray(self.C[:, None] @ x + self.on_road_velocity[:, None])
-
-    def transfer(self, omega: Array) -> Array:
-        """The same with what integrates."""
-        s = 1j * np.asarray(omega, dtype=float)[..., None, None]
-        return np.asarray(self.relative_transfer(omega) + (self.on_integrators @ self.integrators)[:, None] / s)
+        return real_times(self.C, np.moveaxis(x, -3, -1)) + self.on_road_velocity[..., None]
 
     def in_states(self, X: Array) -> Array:
         """A covariance in the system's own states, as far as they have one."""

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..quantities import METRICS, Quantity, signal
+from .elimination import solved
 
 Array = NDArray[np.float64]
 
@@ -268,8 +269,8 @@ class SecondOrder:
         D[..., self.layout.outputs.of("dtl"), :] += np.diag(self.suspensions == self.tyres)
         return np.concatenate([np.zeros_like(push), push], axis=-2), D
 
-    def relative_transfer(self, omega: Array) -> Array:
-        """Outputs per road VELOCITY at angular frequencies ``omega``, as (designs..., F, outputs, inputs).
+    def relative_transfer(self, omega: Array) -> NDArray[np.complex128]:
+        """Outputs per road VELOCITY at angular frequencies ``omega``, as (designs..., outputs, inputs, F).
 
         ``omega`` is (F,), or (designs, F).
 
@@ -278,20 +279,24 @@ class SecondOrder:
         the velocities ``D v = K_in + s C_in``: either right-hand side alone would lose the other's digits at one
         end of the frequency axis.
         """
-        w = np.asarray(omega, dtype=float)[..., None, None]
-        m = self.m[..., None, :, None]
-        K, C, G, C_in, K_in = (x[..., None, :, :] for x in (self.K, self.C, self.G, self.C_in, self.K_in))
-        D = complex_of(K - w**2 * (m * np.eye(m.shape[-2])), w * C)
-        right = complex_of(np.concatenate([C_in - C @ G, K_in], axis=-1), w * np.concatenate([-m * G, C_in], axis=-1))
-        p, v = np.split(np.linalg.solve(D, right), 2, axis=-1)
-        Y = np.concatenate([self.on_position, self.on_velocity], axis=-1)[..., None, :, :]
-        return np.asarray(real_times(Y, np.concatenate([p, v], axis=-2)) + self.on_road_velocity[..., None, :, :])
-
-    def transfer(self, omega: Array) -> Array:
-        """The same with the static warp."""
-        H, w = self.relative_transfer(omega), np.asarray(omega, dtype=float)[..., None, None]
-        if self.layout.warps:
-            H.imag -= (self.on_integrators @ self.integrators)[..., None, :, :] / w
+        n, C_in, m = self.K.shape[-1], self.C_in, self.m[..., None]
+        real = np.concatenate([self.K, C_in - self.C @ self.G, self.K_in], axis=-1)
+        imag = np.concatenate([self.C, -m * self.G, C_in], axis=-1)
+        w = np.asarray(omega, dtype=float)
+        designs = np.broadcast_shapes(real.shape[:-2], w.shape[:-1])
+        equations = np.empty((*real.shape[-2:], *designs, w.shape[-1]), dtype=complex)
+        real, imag, m = (
+            np.moveaxis(np.broadcast_to(x, (*designs, *x.shape[-2:])), (-2, -1), (0, 1))[..., None]
+            for x in (real, imag, m)
+        )
+        equations.real = real
+        np.multiply(w, imag, out=equations.imag)
+        equations.real[range(n), range(n)] -= w**2 * m[:, 0]
+        x = solved(equations.reshape(*real.shape[:2], -1)).reshape(n, 2, -1, *equations.shape[2:])
+        x = np.moveaxis(x, (1, 0, 2), (-4, -3, -2)).reshape(*designs, 2 * n, -1, w.shape[-1])
+        Y = np.concatenate([self.on_position, self.on_velocity], axis=-1)
+        H = real_times(Y, x)
+        H += self.on_road_velocity[..., None]
         return H
 
     def in_states(self, X: Array) -> Array:
@@ -326,16 +331,11 @@ class SecondOrder:
         return unstable
 
 
-def complex_of(real: Array, imag: Array) -> NDArray[np.complex128]:
-    """A complex array of its parts."""
-    z = np.empty(np.broadcast_shapes(real.shape, imag.shape), dtype=complex)
-    z.real, z.imag = real, imag
-    return z
-
-
-def real_times(A: Array, Z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Real matrices times complex ones, whose real and imaginary parts are columns."""
-    return np.asarray((A @ np.ascontiguousarray(Z).view(float)).view(complex))
+def real_times(A: Array, Z: NDArray) -> NDArray[np.complex128]:
+    """Real matrices (..., m, n) times complex arrays (..., n, k, F), whose real and imaginary parts are columns."""
+    columns = np.ascontiguousarray(Z).view(float)
+    product = A @ columns.reshape(*columns.shape[:-2], -1)
+    return product.view(complex).reshape(*product.shape[:-1], *Z.shape[-2:])
 
 
 def beyond_rounding(total: NDArray, terms: NDArray) -> NDArray[np.bool_]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from math import isfinite
 
 import pandas as pd
 import xarray as xr
@@ -34,6 +35,8 @@ def bound_text(bound: ActiveBound) -> str:
             f" Forces without end would come closer and closer to a value about {100 * bound.unresolved:.3g} % lower; "
             "limit force to see what actuators of some strength can do."
         )
+    if isfinite(bound.least):
+        said += f" By a semidefinite programme nothing comes below {bound.least:.4g} {unit}."
     limits = pd.DataFrame(
         {
             "limit": bound.limits,
@@ -50,7 +53,10 @@ def front_text(front: ActiveFront) -> str:
     """The bound at every point of the limits."""
     columns = {f"{name} <= ({typeset(limit.attrs['units'])})": limit for name, limit in front.limits.items()}
     unit = typeset(front.bound.attrs["units"])
-    table = xr.Dataset(columns | {f"{front.minimise} ({unit})": front.bound}).to_dataframe()
+    columns |= {f"{front.minimise} ({unit})": front.bound}
+    if front.least.notnull().any():
+        columns |= {f"by a semidefinite programme ({unit})": front.least}
+    table = xr.Dataset(columns).to_dataframe()
     return f"{front!r}\n\n{table.to_string(float_format=NUMBER, na_rep='out of reach')}\n"
 
 

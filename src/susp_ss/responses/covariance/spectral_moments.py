@@ -106,7 +106,7 @@ class Differentiated:
         """Outputs per what integrates, (designs..., outputs, k)."""
         return self._form[2][..., self._model.A.shape[-1] :]
 
-    def relative_transfer(self, omega: Array) -> Array:
+    def relative_transfer(self, omega: Array) -> NDArray[np.complex128]:
         """Of every output what it was made of: derivatives vanish where that does."""
-        H = self._model.relative_transfer(omega)[..., self._rows, :]
-        return np.concatenate([H] * (self._order + 1), axis=-2)
+        H = self._model.relative_transfer(omega)[..., self._rows, :, :]
+        return np.concatenate([H] * (self._order + 1), axis=-3)

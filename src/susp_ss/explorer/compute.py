@@ -1,0 +1,154 @@
+"""What the explorer shows of a state while its sliders move: plain numbers in SI units."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..metrics.comfort import AXES, in_words
+from ..metrics.ride import ride_metrics
+from ..metrics.weightings import filter_of
+from ..responses.covariance import linearised
+from ..responses.covariance.routes import covariance_variances
+from ..responses.excitation import spanned
+from .design import road_of, vehicle_of
+from .motion import bump, modes
+from .rows import at_places, named, number
+from .spectra import bode, frequencies, spectra
+from .state import NOTHING, Given, checked
+from .surrogates import predictions
+
+SPEEDS = np.linspace(4.0, 60.0, 29)
+"""Over which metrics are shown, in m/s."""
+
+Found = dict[str, Any]
+
+
+class Scene:
+    """A state as everything that is shown of it needs it."""
+
+    def __init__(self, state: dict[str, Any], given: Given):
+        self.state, self.given = state, given
+        self.vehicle, self.road = vehicle_of(state, given), road_of(state, given)
+        self.straight = linearised(self.vehicle, self.road) if self.vehicle.curved else self.vehicle
+
+
+def compute(state: Any, given: Given = NOTHING) -> Found:
+    """Everything that the page shows at once.
+
+    Parameters
+    ----------
+    state : dict
+        As the page has it; what is wrong in it stays as it is by default, and is said in ``errors``.
+    given : Given
+        What the explorer was started with.
+
+    Returns
+    -------
+    dict
+        Plain JSON. An infinite value is None. What cannot be computed is left out, and ``errors`` says why.
+
+        ``metrics``, ``comfort``
+            Every metric at every place, and ISO 2631's total value wherever there is a vertical acceleration.
+        ``frequency``, ``bode``, ``psd``
+            Of the outputs that the state names: the response to the height of the road under the output's own wheel,
+            under the first wheel where it has none, and the spectrum on the road, as it is and weighted.
+        ``modes``, ``bump``
+            Natural motions, and a drive over a bump, of body, wheels and seats.
+        ``speeds``
+            Every metric over speed.
+        ``surrogates``
+            What each surrogate predicts, between its bounds, beside the exact value.
+        ``errors``
+            ``parameter``, its name in the URL or nothing, and ``message``.
+
+    Examples
+    --------
+    >>> from susp_ss.explorer.compute import compute
+    >>> found = compute({"model": "quarter", "vehicle": {"ks": 18e3, "cs": 1500.0}})
+    >>> [round(one["value"], 3) for one in found["metrics"] if one["name"] == "bacc"]
+    [0.678]
+    """
+    right, errors = checked(state, given)
+    found: Found = {"errors": errors}
+
+    def say(error: Exception) -> None:
+        line = {"parameter": "", "message": str(error)}
+        if line not in errors:
+            errors.append(line)
+
+    try:
+        scene = Scene(right, given)
+    except (ValueError, TypeError) as error:
+        say(error)
+        return found
+    for part in PARTS:
+        try:
+            found |= part(scene)
+        except (ValueError, TypeError) as error:
+            say(error)
+    return found
+
+
+def over_speed(scene: Scene) -> Found:
+    """Metrics at the road's own speed, and over speed."""
+    road = dataclasses.replace(scene.road, speed=np.append(scene.road.speed, SPEEDS))
+    rows = at_places(ride_metrics(scene.vehicle, road))
+    return {
+        "metrics": [row.described() | {"value": number(row.values[0])} for row in rows],
+        "speeds": {
+            "speed": SPEEDS.tolist(),
+            "metrics": [row.described() | {"values": list(map(number, row.values[1:]))} for row in rows],
+        },
+    }
+
+
+def comfort(scene: Scene) -> Found:
+    """Weighted accelerations and total values at all points."""
+    space, flat, road = spanned(scene.straight, scene.road)
+    layout = flat.layout()
+    weighted = {}
+    for weighting in dict.fromkeys(axis.weighting for axis in AXES.values()):
+        variances = covariance_variances(flat, space, road.weighted(filter_of(weighting, "")), 1)[0]
+        for name, axis in AXES.items():
+            if axis.weighting == weighting and name in layout.variables:
+                weighted[name] = np.sqrt(variances[layout.outputs.of(name)])
+    if "bacc" not in weighted:
+        return {"comfort": []}
+    total = np.sqrt(sum((AXES[name].k * value) ** 2 for name, value in weighted.items()))
+    places = layout.outputs.places("bacc")
+    words = {"wz": "bacc", "wroll": "roll_acc", "wpitch": "pitch_acc"}
+    values = {word: np.broadcast_to(weighted[name], total.shape) for word, name in words.items() if name in weighted}
+    return {
+        "comfort": [
+            {"point": place, "label": named(place)}
+            | {word: number(some[i]) for word, some in values.items()}
+            | {"total": number(total[i]), "words": in_words(total[i])}
+            for i, place in enumerate(places)
+        ]
+    }
+
+
+def over_frequency(scene: Scene) -> Found:
+    """Frequency responses and spectra of the outputs that the state names."""
+    asked = scene.state["bode"]
+    f = frequencies()
+    return {
+        "frequency": f.tolist(),
+        "bode": bode(scene.straight, asked, f),
+        "psd": spectra(scene.straight, scene.road, asked, f),
+    }
+
+
+PARTS: tuple[Callable[[Scene], Found], ...] = (
+    over_speed,
+    comfort,
+    over_frequency,
+    lambda scene: {"modes": modes(scene.straight, scene.road.speed)},
+    lambda scene: {"bump": bump(scene.vehicle, **scene.state["bump"])},
+    lambda scene: {"surrogates": predictions(scene.vehicle, scene.road, dict(scene.given.surrogates))},
+)
+"""What is shown, each by itself: where one is refused, the others stand."""

@@ -1,0 +1,70 @@
+"""Frequency responses and spectra of some outputs, as plain numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..metrics.comfort import AXES
+from ..metrics.weightings import filter_of
+from ..quantities import metric_and_place, per_input, signal, unit_of
+from ..responses.frequency import frequency_response, psd
+from ..roads.road import Road
+from ..vehicles.contract import RoadVehicle
+from .rows import existing
+
+Array = NDArray[np.float64]
+
+
+def frequencies() -> Array:
+    """In Hz, from the slowest ride motion to beyond wheel hop."""
+    return np.geomspace(0.1, 50.0, 200)
+
+
+def bode(vehicle: RoadVehicle, outputs: Sequence[str], frequency: Array) -> list[dict[str, Any]]:
+    """Magnitude and phase (degrees, continuous) of outputs per metre of the road under a wheel.
+
+    That is the output's own wheel, or the first where it is at none.
+    """
+    response = frequency_response(vehicle, frequency)
+    names, inputs = response.output.values.tolist(), response.input.values.tolist()
+    curves = []
+    for output in outputs:
+        name = existing(output.replace("@", "_"), names, "_")
+        own = signal("z_r", output.partition("@")[2])
+        given = own if own in inputs else inputs[0]
+        H = response.values[names.index(name), inputs.index(given)]
+        curves.append(
+            {
+                "output": output,
+                "unit": f"{unit_of(name) or 1}/{per_input(given)}",
+                "input": given,
+                "magnitude": np.abs(H).tolist(),
+                "phase": np.degrees(np.unwrap(np.angle(H))).tolist(),
+            }
+        )
+    return curves
+
+
+def spectra(vehicle: RoadVehicle, road: Road, outputs: Sequence[str], frequency: Array) -> list[dict[str, Any]]:
+    """One-sided spectra of outputs on a road, those of accelerations also as people feel them."""
+    spectrum = psd(vehicle, road, frequency)
+    names = spectrum.output.values.tolist()
+    curves = []
+    for output in outputs:
+        name = existing(output.replace("@", "_"), names, "_")
+        S, axis = spectrum.values[names.index(name)], AXES.get(metric_and_place(name)[0])
+        felt = None if axis is None else S * filter_of(axis.weighting, "").power(2.0 * np.pi * frequency)
+        curves.append(
+            {
+                "output": output,
+                "unit": f"({unit_of(name) or 1})^2/Hz",
+                "psd": S.tolist(),
+                "weighting": None if axis is None else axis.weighting,
+                "weighted": None if felt is None else felt.tolist(),
+            }
+        )
+    return curves
