@@ -8,11 +8,19 @@ from ..extras import needing
 from .background import background
 from .compute import compute
 from .downloads import offer
+from .layout import layout
 from .server import guard
 from .state import NOTHING, Given
 
 if TYPE_CHECKING:
     import dash
+
+# A wheel on its spring, in the page itself: browsers ask for a file again whenever the address changes.
+ICON = (
+    "<link rel='icon' href=\"data:image/svg+xml,<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 16 16' fill='none'"
+    " stroke='%230072b2' stroke-width='1.6'><circle cx='8' cy='11.5' r='3.6'/><path d='M2 1h12M8 1l3 1.6-6 2 6 2L8 8'/>"
+    '</svg>">'
+)
 
 
 def application(given: Given = NOTHING) -> dash.Dash:
@@ -35,10 +43,18 @@ def application(given: Given = NOTHING) -> dash.Dash:
         import dash
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False)
+    app.index_string = app.index_string.replace("{%favicon%}", ICON)
     offer(app.server, given)
-    app.layout = _layout(given)
+    app.layout = layout(given)
 
-    @app.callback(dash.Output("results", "data"), dash.Input("state", "data"))
+    def script(function: str, store: str) -> None:
+        app.clientside_callback(dash.ClientsideFunction("explorer", function), dash.Input(store, "data"))
+
+    script("start", "table")
+    script("answered", "results")
+    script("answeredSlowly", "background")
+
+    @app.callback(dash.Output("results", "data"), dash.Input("state", "data"), prevent_initial_call=True)
     def answer(state: Any) -> Any:
         return compute(state, given)
 
@@ -48,17 +64,3 @@ def application(given: Given = NOTHING) -> dash.Dash:
 
     guard(app.server, app.csp_hashes())
     return app
-
-
-def _layout(given: Given) -> Any:
-    from dash import dcc, html
-
-    return html.Div(
-        [
-            dcc.Store(id="state", data=given.default()),
-            dcc.Store(id="results"),
-            dcc.Store(id="conditions"),
-            dcc.Store(id="background"),
-            dcc.Store(id="table", data=given.document()),
-        ]
-    )

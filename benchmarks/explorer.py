@@ -1,0 +1,135 @@
+"""From a slider to the picture of the explorer, in a browser, and where that time goes.
+
+The page is served as ``susp-ss explore`` serves it and opened in Chromium or Chrome, 1440 x 900, its cars moving. Each
+move of a slider is timed from its input event to the frame after the last drawing, by the browser's clock. The engine's
+own share is `compute` alone. Writes a table under ``benchmarks/results``.
+
+    python benchmarks/explorer.py [--moves 200]
+"""
+
+import argparse
+import os
+import platform
+import shutil
+import threading
+import time
+from importlib.metadata import version
+
+import numpy as np
+from playwright.sync_api import sync_playwright
+from report import digits, processor, rows
+from ride_metrics import RESULTS
+
+from susp_ss.explorer.app import application
+from susp_ss.explorer.compute import compute
+from susp_ss.explorer.server import address, listening
+from susp_ss.explorer.state import NOTHING, from_query
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+SWITCHES = ["--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+# What is shown, and the slider that moves; with pins, a move of the road makes them be computed again as well.
+SCENES = {
+    "quarter car, springs": ("model=quarter", "ks"),
+    "full car, front springs": ("", "ks_front"),
+    "full car, a seat, front dampers": ("seat_mass=75", "cs_front"),
+    "full car, four pins, front springs": (
+        "pin=ks_front%3D15053&pin=ks_front%3D22053&pin=cs_rear%3D2016.5&pin=",
+        "ks_front",
+    ),
+    "full car, four pins, speed": ("pin=ks_front%3D15053&pin=ks_front%3D22053&pin=cs_rear%3D2016.5&pin=", "speed"),
+    "ride and handling, front springs": ("model=ride-handling", "ks_front"),
+}
+
+# Asserted: the 95th percentile in ms of every scene.
+MOST = 100.0
+
+TIMED = """async ([name, moves]) => {
+    const slider = document.querySelector(`input[type=range][name=${name}]`);
+    const idle = async () => {
+        while (document.querySelector("#panels").ariaBusy !== "false") await new Promise((done) => setTimeout(done, 5));
+    };
+    const painted = () => new Promise((done) => requestAnimationFrame(() => {
+        const after = new MessageChannel();
+        after.port1.onmessage = done;
+        after.port2.postMessage(null);
+    }));
+    const took = [];
+    for (let i = 0; i < moves; i++) {
+        const drawn = new Promise((done) => document.addEventListener("drawn", done, { once: true }));
+        const start = performance.now();
+        slider.value = 20 + (i % 60);
+        slider.dispatchEvent(new Event("input", { bubbles: true }));
+        await drawn;
+        await painted();
+        took.push(performance.now() - start);
+        await idle();
+    }
+    return took;
+}"""
+
+
+def engine(query, repeats=20):
+    """Milliseconds that `compute` takes alone, the median."""
+    state, errors = from_query("&".join(part for part in query.split("&") if not part.startswith("pin=")))
+    assert not errors
+    took = []
+    for _ in range(repeats + 1):
+        start = time.perf_counter()
+        compute(state, NOTHING)
+        took.append(1e3 * (time.perf_counter() - start))
+    return float(np.median(took[1:]))
+
+
+def moves(browser, page, query, name, count):
+    """Milliseconds from each move to its picture."""
+    context = browser.new_context(viewport={"width": 1440, "height": 900})
+    tab = context.new_page()
+    tab.set_default_timeout(0)
+    tab.goto(f"{page}?{query}")
+    # What takes seconds comes once, before anything is timed.
+    tab.wait_for_selector("#panels[aria-busy=false]")
+    tab.wait_for_selector("#carpet[aria-busy=false]", state="attached")
+    tab.evaluate(TIMED, [name, 10])
+    took = tab.evaluate(TIMED, [name, count])
+    context.close()
+    return took
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--moves", type=int, default=200)
+    count = parser.parse_args().moves
+    load, body, broken = os.getloadavg()[0], [], []
+    server = listening(application(), 0)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    with sync_playwright() as driver:
+        found = next(filter(None, map(shutil.which, BROWSERS)))
+        browser = driver.chromium.launch(executable_path=found, args=SWITCHES)
+        named = f"Chromium {browser.version}"
+        for scene, (query, name) in SCENES.items():
+            took = moves(browser, address(server), query, name, count)
+            median, most = np.quantile(took, [0.5, 0.95])
+            body.append([scene, digits(engine(query)), digits(median), digits(most)])
+            if most > MOST:
+                broken.append(f"{scene}: {most:.0f} ms")
+        browser.close()
+    server.shutdown()
+    text = [
+        "# From a slider to the picture",
+        "",
+        f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}, Dash {version('dash')}, {named}, "
+        f"without a graphics card; load average at its start {load:.1f} (0 on a quiet machine). Of {count} moves of a "
+        "slider, from its input event to the frame after the last drawing, browser and server on one machine.",
+        "",
+        *rows(["", "the engine alone, ms", "median, ms", "95 %, ms"], body),
+        "",
+    ]
+    (RESULTS / "explorer.md").write_text("\n".join(text), encoding="utf-8")
+    print("\n".join(text))
+    if broken:
+        raise SystemExit(f"95 % above {MOST:g} ms: {'; '.join(broken)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,180 @@
+// The sliders, choices and fields of a model's table.
+"use strict";
+window.explorer = window.explorer || {};
+
+explorer.html = (name, attributes = {}, ...children) => {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (value === true) element.setAttribute(key, "");
+    else if (value !== false && value !== undefined) element.setAttribute(key, value);
+  }
+  element.append(...children);
+  return element;
+};
+
+explorer.controls = (() => {
+  const { html } = explorer;
+  const OPEN = ["springs", "dampers", "anti-roll bars", "road"];
+
+  // What a picture shows stands beside it.
+  const PLACED = { bump: "ride-set", carpet: "carpet-set", frequency: "bode-set" };
+
+  let model = null;
+  let show = []; // For each row, a function that shows a state.
+  let changed = () => {};
+
+  // Say whom to tell: changed(row, value).
+  const listen = (told) => (changed = told);
+
+  function update(state) {
+    if (state.model !== model) build(state.model);
+    for (const one of show) one(state);
+  }
+
+  function build(next) {
+    model = next;
+    show = [];
+    const groups = new Map();
+    for (const row of explorer.state.rows(model)) {
+      if (!groups.has(row.group)) groups.set(row.group, []);
+      groups.get(row.group).push(row);
+    }
+    const order = [...groups].sort(([a], [b]) => rank(a) - rank(b));
+    const made = order.map(([name, rows]) => [name, group(name, rows)]);
+    for (const panel of Object.values(PLACED)) document.getElementById(panel).replaceChildren();
+    document
+      .getElementById("sliders")
+      .replaceChildren(...made.filter(([name]) => !PLACED[name]).map(([, part]) => part));
+    for (const [name, part] of made) if (PLACED[name]) document.getElementById(PLACED[name]).append(part);
+  }
+
+  const rank = (name) => (OPEN.includes(name) ? OPEN.indexOf(name) : OPEN.length);
+
+  function group(name, rows) {
+    const parts = [];
+    for (const table of new Set(rows.map((row) => row.table))) {
+      const some = rows.filter((row) => row.table === table).map(control);
+      parts.push(...(explorer.state.optional({ table }) ? [optional(table, some)] : some));
+    }
+    if (PLACED[name] && name !== "frequency") return html("div", { role: "group", "aria-label": name }, ...parts);
+    return html(
+      "details",
+      { open: OPEN.includes(name) },
+      html("summary", {}, name === "frequency" ? "Outputs" : sentence(name)),
+      ...parts,
+    );
+  }
+
+  const sentence = (text) => text[0].toUpperCase() + text.slice(1);
+  const WORDS = { curve: "Curve in place of the rate", seat: "Driver on a seat" };
+
+  function optional(table, controls) {
+    const box = html("input", { type: "checkbox", name: table });
+    const inside = html("fieldset", { "aria-label": WORDS[table] }, ...controls);
+    box.addEventListener("change", () => changed({ name: table, whole: true }, box.checked));
+    show.push((state) => {
+      box.checked = Boolean(state[table]);
+      inside.hidden = !box.checked;
+    });
+    return html("div", {}, html("label", { class: "optional" }, box, WORDS[table]), inside);
+  }
+
+  const control = (row) => (row.kind === "choice" ? (row.several ? boxes(row) : choice(row)) : slider(row));
+
+  function choice(row) {
+    const options = row.options.map((option) => html("option", { value: option }, explorer.words.output(option)));
+    const select = html("select", { name: row.name }, ...options);
+    select.addEventListener("change", () => changed(row, select.value));
+    show.push((state) => (select.value = explorer.state.get(state, row)));
+    return html("label", { class: "choice" }, html("span", {}, ...explorer.words.symbols(sentence(row.label))), select);
+  }
+
+  function boxes(row) {
+    const each = row.options.map((value) => html("input", { type: "checkbox", name: row.name, value }));
+    const chosen = () => each.filter((box) => box.checked).map((box) => box.value);
+    for (const box of each) {
+      box.addEventListener("change", () => (chosen().length ? changed(row, chosen()) : (box.checked = true)));
+    }
+    show.push((state) => {
+      const value = explorer.state.get(state, row);
+      for (const box of each) box.checked = value.includes(box.value);
+    });
+    const labels = each.map((box) => html("label", {}, box, explorer.words.output(box.value)));
+    return html("fieldset", { class: "boxes" }, html("legend", {}, sentence(row.label)), ...labels);
+  }
+
+  // A slider moves in steps, or in ratios; the field beside it takes any number of the range in the unit shown.
+  function slider(row) {
+    const { one, unit } = explorer.words.shown(row);
+    const steps = Math.round((row.most - row.least) / row.step);
+    const [along, back] = row.logarithmic
+      ? [
+          (value) => Math.log(value / row.least) / Math.log(row.most / row.least),
+          (at) => row.least * (row.most / row.least) ** at,
+        ]
+      : [(value) => (value - row.least) / row.step, (at) => Number((row.least + row.step * at).toPrecision(12))];
+    const range = html("input", {
+      type: "range",
+      name: row.name,
+      ...(row.logarithmic ? { min: 0, max: 1, step: 0.005 } : { min: 0, max: steps, step: 1 }),
+    });
+    const field = html("input", { type: "text", inputmode: "decimal", autocomplete: "off", spellcheck: "false" });
+    const caption = sentence(row.label);
+    range.setAttribute("aria-label", caption);
+    field.setAttribute("aria-label", unit ? `${caption} in ${unit}` : caption);
+    const digits = row.logarithmic
+      ? (value) => explorer.numbers.brief(value / one)
+      : (value) =>
+          explorer.numbers.stepped(
+            value / one,
+            Math.min(row.step / one, 10 ** (Math.floor(Math.log10(Math.abs(value / one) || 1)) - 3)),
+          );
+    range.addEventListener("input", () =>
+      changed(row, row.logarithmic ? Number(back(range.valueAsNumber).toPrecision(3)) : back(range.valueAsNumber)),
+    );
+    field.addEventListener("change", () => {
+      const value = Number(field.value.replace(",", ".").replace("\u2212", "-")) * one;
+      const what = field.value.trim() ? explorer.state.wrong(row, value) : explorer.state.wrong(row, field.value);
+      field.setAttribute("aria-invalid", Boolean(what));
+      explorer.page.refuse(row.name, what);
+      if (!what) changed(row, Number(value.toPrecision(12)));
+    });
+    show.push((state) => {
+      const value = explorer.state.get(state, row);
+      if (value === undefined || value === null || value === range.shown) return;
+      range.shown = value;
+      range.value = along(value);
+      field.value = digits(value);
+      field.setAttribute("aria-invalid", false);
+      range.setAttribute("aria-valuetext", `${digits(value)} ${unit}`);
+      range.style.setProperty("--at", `${100 * (along(value) / (row.logarithmic ? 1 : steps))}%`);
+    });
+    const extra = row.name === "roughness" ? [classes(row)] : [];
+    return html(
+      "div",
+      { class: "slider" },
+      html("span", { class: "caption" }, ...explorer.words.symbols(caption)),
+      ...extra,
+      field,
+      html("span", { class: "unit" }, unit),
+      range,
+    );
+  }
+
+  // A road's class by ISO 8608 sets the roughness to the class's mean.
+  function classes(row) {
+    const known = explorer.table.classes;
+    const options = Object.keys(known).map((name) => html("option", { value: name }, name));
+    const select = html("select", { "aria-label": "Road class by ISO 8608", title: "Class by ISO 8608" }, ...options);
+    select.addEventListener("change", () => changed(row, known[select.value]));
+    // Classes reach a factor of two either way of their mean.
+    show.push((state) => {
+      const value = explorer.state.get(state, row);
+      const distance = (name) => Math.abs(Math.log(known[name] / value));
+      select.value = Object.keys(known).reduce((best, name) => (distance(name) < distance(best) ? name : best));
+    });
+    return select;
+  }
+
+  return { listen, update };
+})();

@@ -1,0 +1,324 @@
+// The page as a whole: what is asked of the engine and when, and what is drawn of its answers.
+"use strict";
+window.explorer = window.explorer || {};
+
+explorer.page = (() => {
+  const { html } = explorer;
+  const PATIENCE = 10000; // ms until an unanswered question is asked again.
+  const QUIET = 500; // ms without a move until slow things are asked for and numbers are read out.
+  const NAMES = ["A", "B", "C", "D"];
+  const FAST = ["metrics", "comfort", "ride", "modes", "bode", "psd", "speeds", "carpet", "surrogates"];
+
+  let here; // {state, pins} of the page.
+  let wrong = new Map(); // Messages by parameter.
+  let flight = null; // The question that is not answered yet: {key, ours}.
+  let now = { key: null, results: null };
+  let background = { key: null, found: null }; // Of the carpet, which takes seconds.
+  let slowFlight = null; // The conditions of the background on its way.
+  let quiet = null;
+  const answers = new Map(); // Results of pinned designs by the states' keys.
+  const waiting = new Set(); // Panels out of view whose picture is old.
+  const seen = new Set();
+
+  const element = (name) => document.getElementById(name);
+  const keyOf = (state) => JSON.stringify(state);
+  const send = (store, data) => dash_clientside.set_props(store, { data });
+
+  // The designs to compare with; without a pin, the one that the page began with.
+  function references() {
+    const { state, pins } = here;
+    const some = pins.length ? pins : [explorer.state.design(explorer.state.usual(state.model))];
+    return some.map((pin, i) => {
+      const pinned = explorer.state.pinned(pin, state);
+      return {
+        name: pins.length ? NAMES[i] : "start",
+        style: NAMES[i].toLowerCase(),
+        pin,
+        state: pinned,
+        key: keyOf(pinned),
+      };
+    });
+  }
+
+  // One question at a time, and always the newest: while sliders move, this design and an old pinned one in turn.
+  function ask() {
+    if (flight) return;
+    const { state } = here;
+    const key = keyOf(state);
+    const old = references().find((one) => one.key !== key && answers.get(one.pin)?.key !== one.key);
+    const ours = now.key !== key && !(old && ask.turn);
+    ask.turn = ours;
+    element("panels").setAttribute("aria-busy", Boolean(ours || old));
+    if (!ours && !old) return;
+    flight = ours ? { key } : { key: old.key, pin: old.pin };
+    flight.timer = setTimeout(() => unanswered(), PATIENCE);
+    send("state", { ...(ours ? state : old.state) });
+  }
+
+  function unanswered() {
+    flight = null;
+    refuse("server", "The server has not answered; asked again.");
+    ask();
+  }
+
+  function answered(results) {
+    if (!results || !flight) return;
+    const { key, pin, timer } = flight;
+    clearTimeout(timer);
+    flight = null;
+    wrong.delete("server");
+    if (pin !== undefined) answers.set(pin, { key, results });
+    else {
+      now = { key, results: results.metrics ? results : now.results };
+      complain(results.errors);
+    }
+    try {
+      draw();
+    } finally {
+      ask();
+    }
+  }
+
+  function designs() {
+    const others = references().map(({ name, style, pin, key }) => {
+      const results = key === now.key ? now.results : answers.get(pin)?.results;
+      return { name, style, results };
+    });
+    return [{ name: "now", style: "now", results: now.results }, ...others];
+  }
+
+  function draw(names = FAST) {
+    if (!now.results) return;
+    const all = designs();
+    for (const name of names) {
+      if (!seen.has(name)) waiting.add(name);
+      else {
+        waiting.delete(name);
+        show(name, all);
+      }
+    }
+    document.dispatchEvent(new Event("drawn"));
+  }
+
+  // What could not be computed has no picture; the line above the page says why.
+  const NEEDS = { ride: "bump", carpet: "metrics" };
+  function show(name, all) {
+    const found = now.results[NEEDS[name] ?? name];
+    const nothing = !found || found.length === 0 || Object.keys(found.wheels ?? { any: 0 }).length === 0;
+    element(name).hidden = nothing;
+    if (!nothing) (explorer.tables[name] ?? explorer.panels[name])(all, here.state, background.found);
+    if (name === "surrogates") element("panel-surrogates").hidden = nothing;
+  }
+
+  // Moves
+
+  // ``name`` is of the slider that moves, so that its moves are one step; null is a step of its own.
+  function move(name, next) {
+    here = { ...here, ...next };
+    explorer.steps.move(name, explorer.state.write(here));
+    shown();
+  }
+
+  function set(row, value) {
+    const state = structuredClone(here.state);
+    if (!row.whole) explorer.state.put(state, row, value);
+    else if (value) explorer.state.begin(state, row.name);
+    else state[row.name] = null;
+    wrong.delete(row.name);
+    move(row.kind === "number" ? row.name : null, { state });
+  }
+
+  function shown() {
+    explorer.words.model = here.state.model;
+    explorer.controls.update(here.state);
+    element("models").firstChild.value = here.state.model;
+    element("undo").disabled = !explorer.steps.back();
+    element("redo").disabled = !explorer.steps.forward();
+    element("pin").disabled = here.pins.length >= explorer.state.PINS;
+    pins();
+    complain();
+    clearTimeout(quiet);
+    quiet = setTimeout(settle, QUIET);
+    ask();
+  }
+
+  function pins() {
+    const key = here.pins.join();
+    if (element("pins").dataset.shown === key) return;
+    element("pins").dataset.shown = key;
+    const button = (text, words, act) => {
+      const made = html("button", { type: "button", "aria-label": words, title: words }, text);
+      made.addEventListener("click", act);
+      return made;
+    };
+    element("pins").replaceChildren(
+      ...here.pins.map((pin, i) => {
+        const name = NAMES[i];
+        const others = here.pins.filter((_, j) => j !== i);
+        const style = name.toLowerCase();
+        const swatch = explorer.svg(
+          "svg",
+          { class: "swatch", "aria-hidden": true },
+          explorer.svg("path", { class: `line ${style}`, d: "M0,5H26" }),
+        );
+        return html(
+          "li",
+          {},
+          swatch,
+          html("b", {}, name),
+          i
+            ? button("Ref", `Compare with ${name}`, () => move(null, { pins: [pin, ...others] }))
+            : html("span", { class: "quiet", title: "Others are compared with it" }, "reference"),
+          button("Take", `Go on from design ${name}`, () =>
+            move(null, { state: explorer.state.pinned(pin, here.state) }),
+          ),
+          button("\u00d7", `Unpin design ${name}`, () => move(null, { pins: others })),
+        );
+      }),
+    );
+    for (const kept of answers.keys()) if (!references().some(({ pin }) => pin === kept)) answers.delete(kept);
+    draw();
+  }
+
+  function refuse(name, message) {
+    if (message) wrong.set(name, message);
+    else wrong.delete(name);
+    complain();
+  }
+
+  let said = [];
+  function complain(errors = said) {
+    said = errors;
+    const lines = [...new Set([...wrong.values(), ...said.map(({ message }) => message)])];
+    if (element("errors").dataset.shown === lines.join("\n")) return;
+    element("errors").dataset.shown = lines.join("\n");
+    element("errors").replaceChildren(...lines.map((line) => html("li", {}, line)));
+  }
+
+  // Once nothing moves: what takes seconds, and the numbers for those who listen.
+  function settle() {
+    askSlowly();
+    if (!now.results?.metrics) return;
+    const [first, before] = designs().map(({ results }) => results?.metrics[0]);
+    const { one, unit } = explorer.words.metric(first.name, first.unit);
+    const [number, change] = [
+      explorer.numbers.brief(first.value / one),
+      explorer.numbers.change(first.value, before?.value),
+    ];
+    element("said").textContent = `${explorer.words.output(first.name)} ${number} ${unit}, ${change}`;
+  }
+
+  function arrive() {
+    const { errors, ...found } = explorer.state.read(location.search);
+    here = found;
+    wrong = new Map(errors.map(({ parameter, message }) => [parameter, message]));
+    shown();
+  }
+
+  // Once, when Dash has the page ready.
+  function start(table) {
+    if (here) return;
+    explorer.table = table;
+    explorer.state.load(table);
+    const models = explorer.state.models().map((name) => html("option", { value: name }, name));
+    const select = html("select", { id: "model", "aria-label": "Model" }, ...models);
+    select.addEventListener("change", () => move(null, { state: explorer.state.changed(here.state, select.value) }));
+    element("models").append(select);
+    explorer.controls.listen(set);
+    buttons();
+    const watch = new IntersectionObserver((entries) => {
+      for (const { target, isIntersecting } of entries) {
+        const name = target.id.replace("panel-", "");
+        seen[isIntersecting ? "add" : "delete"](name);
+        if (isIntersecting && waiting.has(name)) draw([name]);
+      }
+    });
+    for (const panel of document.querySelectorAll(".panel")) watch.observe(panel);
+    window.addEventListener("popstate", () => (explorer.steps.arrived(), arrive()));
+    arrive();
+  }
+
+  function buttons() {
+    const on = (name, act) => element(name).addEventListener("click", act);
+    on("undo", () => explorer.steps.go(-1));
+    on("redo", () => explorer.steps.go(1));
+    on("pin", () => move(null, { pins: [...here.pins, explorer.state.design(here.state)] }));
+    for (const button of document.querySelectorAll("#downloads button")) {
+      button.addEventListener("click", () => download(button.id.replace("download-", "")));
+    }
+    document.addEventListener("keydown", (event) => {
+      if (!(event.ctrlKey || event.metaKey) || event.altKey || event.target.type === "text") return;
+      const key = event.key.toLowerCase();
+      const by = key === "z" ? (event.shiftKey ? 1 : -1) : key === "y" ? 1 : 0;
+      if (!by) return;
+      event.preventDefault();
+      explorer.steps.go(by);
+    });
+    for (const name of ["ride", "modes"]) element(`${name}-tools`).append(player());
+    for (const name of ["ride", "modes", "bode", "psd", "speeds", "carpet"]) {
+      const title = element(`${name}-title`).textContent;
+      const png = html("button", { type: "button", "aria-label": `Download ${title} as PNG` }, "PNG");
+      png.addEventListener("click", () => explorer.png(element(`panel-${name}`), name));
+      element(`${name}-tools`).append(png);
+    }
+  }
+
+  // What the server makes of this design, without the pins; it says where it cannot.
+  async function download(kind) {
+    const answer = await fetch(`download/${kind}?${explorer.state.write({ ...here, pins: [] })}`);
+    if (!answer.ok) return refuse("download", await answer.text());
+    refuse("download", "");
+    const name = answer.headers.get("Content-Disposition").match(/filename="(.*)"/)[1];
+    const address = URL.createObjectURL(await answer.blob());
+    explorer.save(address, name);
+    URL.revokeObjectURL(address);
+  }
+
+  function player() {
+    const button = html("button", { type: "button", class: "player" });
+    const say = () => {
+      for (const each of document.querySelectorAll(".player"))
+        each.textContent = explorer.motion.playing() ? "Pause" : "Play";
+      button.textContent = explorer.motion.playing() ? "Pause" : "Play";
+    };
+    button.addEventListener("click", () => (explorer.motion.play(!explorer.motion.playing()), say()));
+    say();
+    return button;
+  }
+
+  // One at a time here as well, and again where its conditions have moved on meanwhile.
+  function askSlowly() {
+    const { bump, bode, ...frame } = explorer.state.unsprung(here.state);
+    const key = keyOf(frame);
+    if (slowFlight !== null || key === background.key) return;
+    slowFlight = key;
+    send("conditions", here.state);
+    settled({ key: null, found: null });
+  }
+
+  function answeredSlowly(found) {
+    const key = slowFlight;
+    slowFlight = null;
+    settled({ key, found });
+    askSlowly();
+  }
+
+  function settled(next) {
+    background = next;
+    element("carpet").setAttribute("aria-busy", !next.found);
+    element("carpet-tools").dataset.said = next.found
+      ? next.found.errors.map(({ message }) => message).join("\n")
+      : "computing …";
+    draw(["carpet"]);
+  }
+
+  return { start, answered, answeredSlowly, refuse, query: () => explorer.state.write(here) };
+})();
+
+window.dash_clientside = Object.assign(window.dash_clientside || {}, {
+  explorer: {
+    start: (table) => explorer.page.start(table),
+    answered: (results) => explorer.page.answered(results),
+    answeredSlowly: (background) => background && explorer.page.answeredSlowly(background),
+  },
+});

@@ -1,0 +1,136 @@
+"""What stands on the explorer's page before its scripts fill it: stores, buttons and a panel a picture."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..quantities import KNOWN, POSITIONS, Quantity, typeset, units_of
+from .rows import PLACES
+from .state import Given
+from .table import Number
+
+# What people say in another unit than the engine; of all else, what `quantities` shows.
+SHOWN = {"roughness": "cm^3", "bump_height": "mm"}
+
+COLUMNS = (
+    ("metrics", "comfort", "surrogates", "speeds"),
+    ("ride", "modes", "carpet"),
+    ("bode", "psd"),
+)
+"""Panels beside and below one another, where there is room."""
+
+PANELS = {
+    "metrics": ("Metrics", "Root mean squares on the road, and damper power, beside the pinned designs."),
+    "ride": ("Over the bump", "The car drives over one bump; heights are three times as large, time runs slower."),
+    "modes": ("Modes", "Each mode as the car moves in it, all at one pace and size."),
+    "comfort": ("Comfort", "Weighted accelerations by ISO 2631-1 and what people say of their sum."),
+    "bode": ("Frequency response", "Per metre of the road under the output's own wheel, or else under the first."),
+    "psd": ("Spectrum", "Power spectral density on the road; filled, as weighted for comfort."),
+    "speeds": ("Over speed", "Metrics at other speeds on the same road."),
+    "carpet": (
+        "Carpet",
+        "Grey: all springs by all dampers, halved to doubled. Black: the Pareto front. Dotted: the best of any law.",
+    ),
+    "surrogates": ("Surrogates", "What each fitted surrogate predicts, its interval, and the exact value."),
+}
+"""For each panel its title and what it shows."""
+
+DOWNLOADS = {
+    "csv": ("CSV", "CSV file of the metrics"),
+    "toml": ("TOML", "TOML file of the vehicle, for --vehicle"),
+    "fmu": ("FMU", "functional mock-up unit of the vehicle"),
+    "py": ("Python", "lines that make the same again"),
+}
+"""Kinds of files: word on the button and what it is."""
+
+
+def layout(given: Given) -> Any:
+    """The page: the stores ``state``, ``results``, ``conditions`` and ``background``, and what scripts fill.
+
+    Scripts write ``state`` and ``conditions``; `compute` of the one is ``results``, `background` of the other
+    ``background``.
+    """
+    from dash import dcc, html
+
+    return html.Div(
+        [
+            dcc.Store(id="state"),
+            dcc.Store(id="results"),
+            dcc.Store(id="conditions"),
+            dcc.Store(id="background"),
+            dcc.Store(id="table", data=given.document() | {"words": _words(given)}),
+            html.Header(_header(), id="head"),
+            html.Ul(id="errors", role="alert"),
+            html.Aside([html.Div(id="sliders")], id="controls", **_aria(label="Sliders")),
+            html.Main(
+                [html.Div([_panel(name, *PANELS[name]) for name in column]) for column in COLUMNS],
+                id="panels",
+                **_aria(busy="true"),
+            ),
+            html.P(id="said", role="status"),
+        ],
+        id="page",
+    )
+
+
+def _header() -> list[Any]:
+    from dash import html
+
+    def button(name: str, text: str, words: str) -> Any:
+        return html.Button(text, id=name, type="button", title=words, **_aria(label=words))
+
+    files = [button(f"download-{kind}", text, f"Download: {words}") for kind, (text, words) in DOWNLOADS.items()]
+    return [
+        html.H1("susp_ss explorer"),
+        html.Label(["Model", html.Span(id="models")]),
+        html.Div([button("undo", "Undo", "Undo (Ctrl+Z)"), button("redo", "Redo", "Redo (Ctrl+Shift+Z)")]),
+        html.Div([button("pin", "Pin design", "Pin this design and compare others with it")]),
+        html.Ul(id="pins", **_aria(label="Pinned designs")),
+        html.Div([html.Span("Download", className="quiet"), *files], id="downloads"),
+    ]
+
+
+def _panel(name: str, title: str, words: str) -> Any:
+    from dash import html
+
+    return html.Section(
+        [
+            html.H2(title, id=f"{name}-title"),
+            html.Div(id=f"{name}-tools", className="tools"),
+            html.P(words, className="quiet"),
+            html.Div(id=f"{name}-set", className="set"),
+            html.Div(id=name, className="body"),
+        ],
+        id=f"panel-{name}",
+        className="panel",
+        **_aria(labelledby=f"{name}-title"),
+    )
+
+
+def _aria(**words: str) -> dict[str, Any]:
+    """What those who listen are told of an element."""
+    return {f"aria-{name}": text for name, text in words.items()}
+
+
+def _words(given: Given) -> dict[str, Any]:
+    """Quantities with their unit on the page and how much of the SI unit one is; units of rows; places."""
+
+    def unit(si: str, shown: str) -> dict[str, Any]:
+        return {"unit": typeset(shown), "one": units_of(si)[shown]}
+
+    def of(quantity: Quantity) -> dict[str, Any]:
+        return unit(quantity.unit, quantity.shown or quantity.unit) | {"meaning": quantity.meaning}
+
+    numbers = [row for table in given.tables.values() for row in table if isinstance(row, Number)]
+    units = {row.name: unit(row.unit, SHOWN.get(row.name) or _shown(row.name) or row.unit) for row in numbers}
+    return {
+        "quantities": {name: of(one) for name, one in (POSITIONS | KNOWN).items()},
+        "units": units,
+        "places": PLACES,
+    }
+
+
+def _shown(row: str) -> str:
+    """The unit in which the quantity of a row, perhaps at a place, is shown."""
+    stems = [name for name in KNOWN if f"{row}_".startswith(f"{name}_")]
+    return KNOWN[max(stems, key=len)].shown if stems else ""

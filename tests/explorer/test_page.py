@@ -1,0 +1,356 @@
+"""The explorer's page in a browser, served as ``susp-ss explore`` serves it."""
+
+import contextlib
+import re
+import threading
+from urllib.parse import parse_qs, urlsplit
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+import susp_ss as ss
+from susp_ss.explorer.app import application
+from susp_ss.explorer.server import address as where
+from susp_ss.explorer.server import listening
+from susp_ss.explorer.state import from_query
+
+IDLE = "#panels[aria-busy=false]"
+ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
+
+
+def carpet(conditions, given):
+    """In place of the background, which takes seconds: three designs in a plane, and what bounds them."""
+    return {
+        "carpet": {"designs": [[[4e-3, 0.6], [5e-3, 0.5]]]},
+        "front": {"points": [[4e-3, 0.5], [6e-3, 0.4]]},
+        "bound": {"points": [[4e-3, 0.3], [6e-3, 0.2]]},
+        "errors": [],
+    }
+
+
+@pytest.fixture(scope="module")
+def address():
+    patch = pytest.MonkeyPatch()
+    patch.setattr("susp_ss.explorer.app.background", carpet)
+    server = listening(application(), 0)
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    yield where(server)
+    server.shutdown()
+    thread.join()
+    server.server_close()
+    patch.undo()
+
+
+@contextlib.contextmanager
+def visit(browser, address, width=1440, **context):
+    """A user of the page, who must meet no error and whose page must ask nobody but its server."""
+    wrong, asked = [], []
+    user = browser.new_context(viewport={"width": width, "height": 900}, **context)
+    user.set_default_timeout(60_000)
+    tab = user.new_page()
+    tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
+    tab.on("pageerror", lambda error: wrong.append(str(error)))
+    tab.on("request", lambda request: asked.append(request.url))
+
+    def go(query=""):
+        tab.goto(address + query)
+        tab.wait_for_selector(IDLE)
+
+    tab.go = go
+    yield tab
+    user.close()
+    assert wrong == []
+    assert all(url.startswith((address, "data:", "blob:")) for url in asked), asked
+
+
+@pytest.fixture
+def tab(browser, address):
+    with visit(browser, address) as opened:
+        yield opened
+
+
+def slider(tab, name):
+    return tab.locator(f"input[type=range][name={name}]")
+
+
+def press(tab, name, key, times=1):
+    for _ in range(times):
+        slider(tab, name).press(key)
+    tab.wait_for_selector(IDLE)
+
+
+def row(tab, metric, place=""):
+    """A metric's cells as numbers: now, change in percent, each pinned design; None where a design has none."""
+    cells = tab.evaluate(
+        """([metric, place]) => {
+            const own = [...document.querySelectorAll("#metrics tr")];
+            const at = own.findIndex((row) => row.cells[0].textContent.startsWith(metric));
+            const chosen = place ? own.slice(at).find((row) => row.cells[0].textContent === place) : own[at];
+            return [...chosen.cells].slice(1).map((cell) => cell.textContent);
+        }""",
+        [metric, place],
+    )
+    said = (cell.replace("\u2212", "-").removesuffix("%") for cell in cells)
+    return [float(word) if any(map(str.isdigit, word)) else None for word in said]
+
+
+def query(tab):
+    return {name: some[0] for name, some in parse_qs(urlsplit(tab.url).query).items()}
+
+
+def front(ks):
+    return ss.FullCar(ks=ss.Corners.axles(front=ks, rear=18553.0))
+
+
+def near(shown, value):
+    """Whether three digits say the value."""
+    return shown == pytest.approx(float(value), rel=5.1e-3)
+
+
+def test_a_slider_moves_the_numbers(tab):
+    tab.go()
+    before = ss.ride_metrics(ss.FullCar(), ROAD)
+    press(tab, "ks_front", "ArrowRight", times=10)
+    after = ss.ride_metrics(front(18553.0 + 10 * 500.0), ROAD)
+    for metric, name, place, corner in (
+        ("Body vertical", "bacc", "centre of gravity", {"point": "cg"}),
+        ("Suspension deflection", "sws", "front left", {"corner": "fl"}),
+        ("Dynamic tyre load", "dtl", "rear right", {"corner": "rr"}),
+        ("Roll acceleration", "roll_acc", "", {}),
+    ):
+        unit = {"sws": 1e-3, "dtl": 1e3}.get(name, 1.0)
+        now, change, start = row(tab, metric, place)
+        assert near(now, after[name].sel(corner) / unit)
+        assert near(start, before[name].sel(corner) / unit)
+        assert change == pytest.approx(
+            100.0 * float(after[name].sel(corner) / before[name].sel(corner) - 1.0), abs=0.06
+        )
+    assert query(tab) == {"ks_front": "23553"}
+
+
+def test_curves_seats_and_other_models(tab):
+    tab.go("?model=quarter&ks=20053")
+    assert near(row(tab, "Dynamic")[0], ss.ride_metrics(ss.QuarterCar(ks=20053.0), ROAD).dtl / 1e3)
+    tab.locator("input[name=curve]").check()
+    tab.wait_for_selector(IDLE)
+    state, errors = from_query(urlsplit(tab.url).query)
+    assert errors == []
+    assert state["curve"]["rebound"] == 1.3
+    tab.get_by_label("Model").select_option("roll-half")
+    tab.wait_for_selector(IDLE)
+    ride = ss.ride_metrics(ss.RollHalfCar(), ROAD)
+    assert near(row(tab, "Suspension deflection", "right")[0], 1e3 * ride.sws.sel(corner="r"))
+    tab.locator("summary", has_text="Seat").click()
+    tab.locator("input[name=seat]").check()
+    tab.wait_for_selector(IDLE)
+    assert row(tab, "Body vertical", "driver")[0] > 0.0
+
+
+def test_undo_redo_and_back(tab):
+    tab.go()
+    assert tab.locator("#undo").is_disabled()
+    press(tab, "ks_front", "ArrowRight", times=3)
+    press(tab, "cs_rear", "ArrowLeft", times=2)
+    moved = row(tab, "Body vertical", "centre of gravity")
+    assert query(tab) == {"ks_front": "20053", "cs_rear": "1416.5"}
+    slider(tab, "cs_rear").press("Control+z")
+    tab.wait_for_function("!location.search.includes('cs_rear')")
+    assert query(tab) == {"ks_front": "20053"}  # The moves of one slider are one step.
+    tab.go_back()
+    tab.wait_for_function("location.search === ''")
+    assert slider(tab, "ks_front").get_attribute("aria-valuetext") == "18.55 kN/m"
+    tab.locator("#redo").click()
+    tab.wait_for_function("location.search !== ''")
+    slider(tab, "ks_front").press("Control+Shift+Z")
+    tab.wait_for_function("location.search.includes('cs_rear')")
+    tab.wait_for_selector(IDLE)
+    assert row(tab, "Body vertical", "centre of gravity") == moved
+    assert tab.locator("#redo").is_disabled()
+
+
+def test_pins_and_reload(tab):
+    tab.go()
+    for _ in range(4):
+        press(tab, "ks_front", "ArrowRight", times=2)
+        tab.locator("#pin").click()
+        tab.wait_for_selector(IDLE)
+    assert tab.locator("#pin").is_disabled()
+    press(tab, "speed", "ArrowRight", times=4)
+    faster = ss.Road.iso8608("B", speed=22.0, tracks="isotropic")
+    pinned = [ss.ride_metrics(front(18553.0 + 1e3 * i), faster).bacc.sel(point="cg") for i in range(1, 5)]
+    now, change, *shown = row(tab, "Body vertical", "centre of gravity")
+    assert all(map(near, shown, pinned))
+    assert change == pytest.approx(100.0 * float(pinned[3] / pinned[0] - 1.0), abs=0.06)
+    tab.reload()
+    tab.wait_for_selector(IDLE)
+    assert row(tab, "Body vertical", "centre of gravity") == [now, change, *shown]
+    assert tab.locator("#undo").is_enabled()
+    tab.get_by_role("button", name="Compare with D").click()
+    tab.get_by_role("button", name="Unpin design B").click()
+    tab.wait_for_selector(IDLE)
+    assert row(tab, "Body vertical", "centre of gravity") == [now, 0.0, shown[3], *shown[1:3]]
+    tab.get_by_role("button", name="Go on from design B").click()
+    tab.wait_for_selector(IDLE)
+    assert query(tab)["ks_front"] == "20553"
+
+
+def test_bad_urls(tab):
+    bad = "model=quarter&ks=soft&cs=-3&speed=900&tracks=parallel&nonsense=1&mu=50.4&kt=&bode=sws,taste"
+    tab.go(f"?{bad}")
+    told = tab.locator("#errors li").all_inner_texts()
+    state, errors = from_query(bad)
+    needs = [[line.partition(", got")[0] for line in lines] for lines in (told, [one["message"] for one in errors])]
+    assert sorted(needs[0]) == sorted(needs[1])
+    assert len(told) == 7
+    assert near(row(tab, "Dynamic")[0], ss.ride_metrics(ss.QuarterCar(mu=50.4), ROAD).dtl / 1e3)
+    assert state["vehicle"]["mu"] == 50.4
+    tab.go("?model=tank&pin=model%3Dquarter%26ks%3D1")
+    assert "tank" in tab.locator("#errors").inner_text()
+    assert "pin" in tab.locator("#errors").inner_text()
+    field = tab.get_by_label("Spring stiffness K_s, front in kN/m")
+    for text in ("abc", "-2", "1e9", "nan"):
+        field.fill(text)
+        field.press("Enter")
+        assert field.get_attribute("aria-invalid") == "true"
+        assert "ks_front must be a number from" in tab.locator("#errors").inner_text()
+    field.fill("20.5")
+    field.press("Enter")
+    tab.wait_for_selector(IDLE)
+    assert "ks_front" not in tab.locator("#errors").inner_text()
+    assert query(tab)["ks_front"] == "20500"
+
+
+def test_two_users_at_once(browser, address, tab):
+    tab.go()
+    with visit(browser, address) as other:
+        other.go("?model=quarter")
+        for _ in range(5):
+            slider(tab, "ks_front").press("ArrowRight")
+            slider(other, "ks").press("ArrowLeft")
+        for one in (tab, other):
+            one.wait_for_selector(IDLE)
+        own = ss.ride_metrics(ss.QuarterCar(ks=18553.0 - 5 * 500.0), ROAD).bacc
+        assert near(row(other, "Body vertical")[0], own)
+    own = ss.ride_metrics(front(18553.0 + 5 * 500.0), ROAD).bacc.sel(point="cg")
+    assert near(row(tab, "Body vertical", "centre of gravity")[0], own)
+
+
+def test_by_keyboard_and_by_ear(tab):
+    tab.go("?pin=ks_front%3D20053")
+    nameless = tab.evaluate(
+        """() => [...document.querySelectorAll("input, select, button, summary, table, svg[role=img]")]
+            .filter((one) => !`${one.ariaLabel ?? ""}${one.closest("label")?.textContent ?? one.textContent}`.trim())
+            .map((one) => one.outerHTML.slice(0, 99))"""
+    )
+    assert nameless == []
+    seen = {}
+    for _ in range(60):
+        tab.keyboard.press("Tab")
+        name, outline = tab.evaluate(
+            "[document.activeElement.name || document.activeElement.id || document.activeElement.textContent, "
+            "getComputedStyle(document.activeElement).outlineStyle]"
+        )
+        seen[name] = outline
+        if name == "ks_rear":
+            break
+    assert {"model", "pin", "ks_front", "ks_rear"} <= set(seen)
+    assert set(seen.values()) == {"solid"}
+    tab.keyboard.press("PageUp")
+    tab.wait_for_selector(IDLE)
+    assert query(tab)["ks_rear"] > "18553"
+    tab.wait_for_function("document.getElementById('said').textContent.includes('%')")
+    assert re.match(
+        r"body vertical acceleration, centre of gravity [\d.]+ m/s², [+−][\d.]+", tab.locator("#said").inner_text()
+    )
+    tab.keyboard.press("Control+z")
+    tab.wait_for_function("!location.search.includes('ks_rear')")
+
+
+@pytest.mark.parametrize("model", ["full", "ride-handling"])
+def test_telephone(browser, address, model):
+    with visit(browser, address, width=360, has_touch=True) as tab:
+        tab.go(f"?model={model}&pin=cs_front%3D2016.5&pin=&pin=&pin=")
+        assert tab.evaluate("document.documentElement.scrollWidth") == 360
+        for name in ("metrics", "ride", "bode", "carpet"):
+            tab.locator(f"#panel-{name}").scroll_into_view_if_needed()
+            right = tab.locator(f"#panel-{name}").evaluate("one => one.getBoundingClientRect().right")
+            assert right <= 360
+        small = tab.evaluate(
+            "[...document.querySelectorAll('button, select')].filter(({ offsetHeight: h }) => h && h < 24).length"
+        )
+        assert small == 0
+
+
+def test_cars_move_unless_less_motion_is_wanted(browser, address):
+    place = "document.querySelector('#modes .wheel').getAttribute('transform')"
+    with visit(browser, address, reduced_motion="reduce") as tab:
+        tab.go("?model=quarter")
+        still = tab.evaluate(place)
+        tab.wait_for_timeout(150)
+        assert tab.evaluate(place) == still
+        tab.locator("#modes-tools .player").click()
+        tab.wait_for_function(f"{place} !== '{still}'")
+        assert tab.locator("#ride-tools .player").inner_text() == "Pause"
+        tab.locator("#ride-tools .player").click()
+        still = tab.evaluate(place)
+        tab.wait_for_timeout(150)
+        assert tab.evaluate(place) == still
+
+
+def test_pictures_are_downloaded(tab):
+    tab.go("?model=quarter")
+    for name in ("bode", "ride"):
+        with tab.expect_download() as waiting:
+            tab.locator(f"#{name}-tools").get_by_text("PNG").click()
+        assert waiting.value.suggested_filename == f"{name}.png"
+        height, width, _ = matplotlib.image.imread(waiting.value.path()).shape
+        box = tab.locator(f"#panel-{name}").bounding_box()
+        assert (width, height) == pytest.approx((2 * box["width"], 2 * box["height"]), abs=1.0)
+
+
+MOVES = """async ([count, between]) => {
+    const slider = document.querySelector("input[name=ks]");
+    for (let i = 0; i < count; i++) {
+        slider.value = (7 * i) % 100;
+        slider.dispatchEvent(new Event("input", { bubbles: true }));
+        await new Promise((done) => setTimeout(done, between));
+    }
+}"""
+
+
+def test_a_thousand_moves(tab):
+    """One question at a time, the newest last; nothing piles up in the page."""
+    tab.go("?model=quarter")
+    tab.evaluate(
+        """() => {
+            Object.assign(window, { flying: 0, most: 0, answers: 0 });
+            const fetch = window.fetch;
+            window.fetch = async (...asked) => {
+                window.most = Math.max(window.most, ++window.flying);
+                try { return await fetch(...asked); } finally { window.flying--; window.answers++; }
+            };
+        }"""
+    )
+    meter = tab.context.new_cdp_session(tab)
+    meter.send("Performance.enable")
+
+    def size():
+        tab.wait_for_selector(IDLE)
+        meter.send("HeapProfiler.collectGarbage")
+        found = {one["name"]: one["value"] for one in meter.send("Performance.getMetrics")["metrics"]}
+        return np.array([found["JSHeapUsedSize"], found["Nodes"], found["JSEventListeners"]])
+
+    tab.evaluate(MOVES, [200, 4])
+    before = size()
+    tab.evaluate(MOVES, [1000, 4])
+    heap, nodes, listeners = size() - before
+    assert heap < 1e6
+    assert nodes < 50
+    assert listeners <= 0
+    assert tab.evaluate("most") <= 2  # One for what moves, one for the background of the carpet.
+    assert tab.evaluate("answers") > 20
+    ks = float(query(tab)["ks"])
+    assert ks == pytest.approx(5053.0 + 500.0 * (7 * 999 % 100))
+    assert near(row(tab, "Body vertical")[0], ss.ride_metrics(ss.QuarterCar(ks=ks), ROAD).bacc)
