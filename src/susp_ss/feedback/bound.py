@@ -133,8 +133,8 @@ def active_bound(
     preview : bool
         False: the law is a gain on the vehicle's states alone.
     certify : {"clarabel", "scs"}, optional
-        Solve the problem by this solver as one semidefinite programme as well (``feedback.semidefinite``), for ``least``.
-        The road's velocity must be white and come to all axles at once: ``Road(delay=False)``.
+        Solve the problem by this solver as one semidefinite programme as well (``feedback.semidefinite``), for
+        ``least``. The road's velocity must be white and come to all axles at once: ``Road(delay=False)``.
 
     Returns
     -------
