@@ -170,20 +170,20 @@ def model(name: str) -> str:
     """A model, without a seat and with one, as entries of an object of JavaScript."""
     bare: Any = NOTHING.models[name]
     seat = {row.key: row.default for row in numbers(name, "seat")}
-    known = settings(name, bare)
     asked = next(row for row in NOTHING.tables[name] if isinstance(row, Choice) and row.name == "bode")
     alone = tuple(output for output in asked.options if output not in asked.seated)
     occupied = seated(bare, seat)
     more = [field for field in type(occupied).quantities() if field not in type(bare).quantities()]
-    of_seat = {f"seat.{key}": [next(field for field in more if field.startswith(f"seat_{key}"))] for key in seat}
+    known = {
+        "vehicle": settings(name, bare),
+        "seat": {key: next(field for field in more if field.startswith(f"seat_{key}")) for key in seat},
+    }
 
-    def entry(key: str, car: Vehicle, own: dict[str, list[str]], outputs: tuple[str, ...]) -> str:
-        data = json.dumps(described(car, outputs) | {"settings": own})
+    def entry(key: str, car: Vehicle, outputs: tuple[str, ...]) -> str:
+        data = json.dumps(described(car, outputs) | {"settings": known})
         return f"{json.dumps(key)}: {{ ...{data},\nassemble: {assembled(car)} }}"
 
-    return ",\n".join(
-        [entry(name, bare, known, alone), entry(f"{name}, seated", occupied, known | of_seat, asked.options)]
-    )
+    return ",\n".join([entry(name, bare, alone), entry(f"{name}, seated", occupied, asked.options)])
 
 
 def numbers(name: str, table: str) -> list[Number]:
