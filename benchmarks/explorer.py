@@ -8,7 +8,6 @@ own share is `compute` alone. Writes a table under ``benchmarks/results``.
 """
 
 import argparse
-import logging
 import os
 import platform
 import shutil
@@ -20,10 +19,10 @@ import numpy as np
 from playwright.sync_api import sync_playwright
 from report import digits, processor, rows
 from ride_metrics import RESULTS
-from werkzeug.serving import make_server
 
 from susp_ss.explorer.app import application
 from susp_ss.explorer.compute import compute
+from susp_ss.explorer.server import address, listening
 from susp_ss.explorer.state import NOTHING, from_query
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
@@ -82,12 +81,12 @@ def engine(query, repeats=20):
     return float(np.median(took[1:]))
 
 
-def moves(browser, address, query, name, count):
+def moves(browser, page, query, name, count):
     """Milliseconds from each move to its picture."""
     context = browser.new_context(viewport={"width": 1440, "height": 900})
     tab = context.new_page()
     tab.set_default_timeout(0)
-    tab.goto(f"{address}?{query}")
+    tab.goto(f"{page}?{query}")
     # What takes seconds comes once, before anything is timed.
     tab.wait_for_selector("#panels[aria-busy=false]")
     tab.wait_for_selector("#carpet[aria-busy=false]", state="attached")
@@ -101,16 +100,15 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--moves", type=int, default=200)
     count = parser.parse_args().moves
-    logging.getLogger("werkzeug").setLevel(logging.ERROR)
     load, body, broken = os.getloadavg()[0], [], []
-    server = make_server("127.0.0.1", 0, application().server, threaded=True)
+    server = listening(application(), 0)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     with sync_playwright() as driver:
         found = next(filter(None, map(shutil.which, BROWSERS)))
         browser = driver.chromium.launch(executable_path=found, args=SWITCHES)
         named = f"Chromium {browser.version}"
         for scene, (query, name) in SCENES.items():
-            took = moves(browser, f"http://127.0.0.1:{server.server_port}/", query, name, count)
+            took = moves(browser, address(server), query, name, count)
             median, most = np.quantile(took, [0.5, 0.95])
             body.append([scene, digits(engine(query)), digits(median), digits(most)])
             if most > MOST:

@@ -33,7 +33,10 @@ CASES = {
         dataclasses.replace(ROAD, cutoff=0.01),
     ),
     "model=roll-half&arb=9000&roughness=0.0002": (ss.RollHalfCar(arb=9e3), dataclasses.replace(ROAD, roughness=2e-4)),
-    "model=ride-handling&height=0.6": (ss.RideHandlingCar(height=0.6), ROAD),
+    "model=ride-handling&height=0.6&speed=30": (
+        ss.RideHandlingCar(height=0.6, speed=30.0),
+        dataclasses.replace(ROAD, speed=30.0),
+    ),
     "seat_x=0.5&seat_y=-0.3&seat_mass=60": (
         ss.FullCar().with_seats({"driver": ss.Seat(x=0.5, y=-0.3, mass=60.0)}),
         ROAD,

@@ -8,10 +8,11 @@ from urllib.parse import parse_qs, urlsplit
 import matplotlib.image
 import numpy as np
 import pytest
-from werkzeug.serving import make_server
 
 import susp_ss as ss
 from susp_ss.explorer.app import application
+from susp_ss.explorer.server import address as where
+from susp_ss.explorer.server import listening
 from susp_ss.explorer.state import from_query
 
 IDLE = "#panels[aria-busy=false]"
@@ -32,10 +33,10 @@ def carpet(conditions, given):
 def address():
     patch = pytest.MonkeyPatch()
     patch.setattr("susp_ss.explorer.app.background", carpet)
-    server = make_server("127.0.0.1", 0, application().server, threaded=True)
+    server = listening(application(), 0)
     thread = threading.Thread(target=server.serve_forever)
     thread.start()
-    yield f"http://127.0.0.1:{server.server_port}/"
+    yield where(server)
     server.shutdown()
     thread.join()
     server.server_close()

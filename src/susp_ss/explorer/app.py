@@ -44,7 +44,7 @@ def application(given: Given = NOTHING, served: bool = True) -> dash.Dash:
     with needing("explorer", "The explorer"):
         import dash
 
-    app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False, enable_mcp=False)
+    app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False)
     app.index_string = app.index_string.replace("{%favicon%}", ICON)
     app.layout = layout(given, files=served)
 

@@ -171,7 +171,7 @@ PARTS: tuple[Callable[[Scene], Found], ...] = (
     over_speed,
     comfort,
     over_frequency,
-    lambda scene: {"modes": modes(scene.straight, scene.road.speed)},
+    lambda scene: {"modes": modes(scene.straight)},
     lambda scene: {"bump": bump(scene.vehicle, **scene.state["bump"])},
     surrogates,
 )

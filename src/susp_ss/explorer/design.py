@@ -8,13 +8,14 @@ from typing import Any
 
 from ..roads.road import Road
 from ..vehicles.curves import DamperCurve
+from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.vehicle import joined
 from .seat import seated
 from .state import NOTHING, Given
 
 
 def vehicle_of(state: Mapping[str, Any], given: Given = NOTHING) -> Any:
-    """The vehicle of a checked state.
+    """The vehicle of a checked state; one whose own speed counts moves at the road's.
 
     Examples
     --------
@@ -26,6 +27,8 @@ def vehicle_of(state: Mapping[str, Any], given: Given = NOTHING) -> Any:
     car: Any = given.models[state["model"]]
     own = given.default(state["model"])["vehicle"]
     moved = {name: value for name, value in state["vehicle"].items() if value != own[name]}
+    if isinstance(car, RideHandlingCar):
+        moved["speed"] = state["road"]["speed"]
     if moved:
         car = car.replaced(**moved)
     if state["curve"]:

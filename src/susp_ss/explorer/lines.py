@@ -8,7 +8,6 @@ from typing import Any
 from ..presentation.reproduction import code
 from ..roads.road_fit import unfitted
 from ..vehicles.linear import LinearVehicle
-from ..vehicles.ride_handling import RideHandlingCar
 from .design import road_of, vehicle_of
 from .spectra import FREQUENCIES
 from .state import NOTHING, Given, query
@@ -35,7 +34,6 @@ def lines(state: Mapping[str, Any], given: Given = NOTHING) -> str:
     bump = state["bump"]
     low, high, count = FREQUENCIES
     straight = "ss.linearised(vehicle, road)" if vehicle.curved else "vehicle"
-    speed = f"speed={road.speed!r}" if isinstance(vehicle, RideHandlingCar) else ""
     return "\n".join(
         [
             f"# susp-ss explore, /?{query(state, given)}".removesuffix("?"),
@@ -50,7 +48,7 @@ def lines(state: Mapping[str, Any], given: Given = NOTHING) -> str:
             f"frequency = np.geomspace({low!r}, {high!r}, {count!r})",
             "response = ss.frequency_response(straight, frequency)",
             "spectrum = ss.psd(straight, road, frequency)",
-            f"modes = straight.modes({speed})",
+            "modes = straight.modes()",
             f"bump = ss.obstacle('bump', height={bump['height']!r}, length={bump['length']!r})",
             f"ride = ss.simulate(vehicle, bump, speed={bump['speed']!r}, positions=True)",
             "print(metrics, comfort, sep='\\n')",

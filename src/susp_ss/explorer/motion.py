@@ -23,7 +23,7 @@ AXLES = ("front hop", "middle hop", "rear hop")
 BEFORE, AFTER, SHOWN, STEP, OVER = 0.2, 1.8, 200, 0.005, 12
 
 
-def modes(vehicle: RoadVehicle, speed: float) -> list[dict[str, Any]]:
+def modes(vehicle: RoadVehicle) -> list[dict[str, Any]]:
     """Every mode that swings body, wheels or seats up and down, slowest first.
 
     Its name is the motion that has the most of its kinetic energy, no motion of the body being named twice. Shapes are
@@ -33,13 +33,15 @@ def modes(vehicle: RoadVehicle, speed: float) -> list[dict[str, Any]]:
         return []
     motions = {name: motion_of(vehicle, name) for name in vehicle.layout().coordinates}
     if isinstance(vehicle, RideHandlingCar):
-        known = vehicle.modes(speed)
+        known = vehicle.modes()
         known = known[[name in {word for word, _ in motions.values()} for name in known["name"]]]
         names = list(known["name"])
     else:
         known = vehicle.modes()
         shapes = np.array([shape.to_numpy() for shape in known["shape"]])
-        names = _names(np.abs(shapes) ** 2 * vehicle.assemble().m, [word for word, _ in motions.values()])
+        names = _names(
+            np.abs(shapes) ** 2 * np.array([*vehicle.linkage().masses.values()]), [word for word, _ in motions.values()]
+        )
     return [
         {"name": name, "frequency": float(mode["frequency"]), "damping": float(mode["damping_ratio"])}
         | {"shape": _shape(dict(mode["shape"]), motions)}
@@ -88,20 +90,21 @@ def bump(vehicle: RoadVehicle, height: float, length: float, speed: float) -> di
     profile = obstacle("bump", height, length, before=BEFORE * speed, after=AFTER * speed + vehicle.axles[-1])
     known = isinstance(vehicle, Vehicle)
     ride = simulate(vehicle, profile, speed=speed, step=min(STEP, length / speed / OVER), positions=known)
-    ride = ride.isel(time=slice(None, None, max(1, len(ride.time) // SHOWN)))
+    shown = slice(None, None, max(1, len(ride.time) // SHOWN))
 
     def at(name: str, dim: str) -> dict[str, list[float]]:
         if name not in ride:
             return {}
         data = ride[name]
         places = data[dim].values.tolist() if dim in data.dims else [""]
-        return dict(zip(places, data.values.reshape(len(places), -1).tolist(), strict=True))
+        rows = data.values[..., shown].reshape(len(places), -1)
+        return dict(zip(places, rows.tolist(), strict=True))
 
     heave = next(iter(at("z_s", "point").values()), None)
-    body = {"heave": heave} | {name: ride[name].values.tolist() for name in ("pitch", "roll") if name in ride}
+    body = {"heave": heave} | {name: ride[name].values[shown].tolist() for name in ("pitch", "roll") if name in ride}
     return {
-        "t": (ride.time.values - BEFORE).tolist(),
-        "x": (ride.x.values - BEFORE * speed).tolist(),
+        "t": (ride.time.values[shown] - BEFORE).tolist(),
+        "x": (ride.x.values[shown] - BEFORE * speed).tolist(),
         "body": body if known else {},
         "wheels": at("z_u", "corner"),
         "ground": at("z_r", "corner"),

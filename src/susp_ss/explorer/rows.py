@@ -41,14 +41,14 @@ class Row(NamedTuple):
 
 def at_places(metrics: xr.Dataset) -> list[Row]:
     """Every metric of one design, or of designs on dim ``design``, at every place."""
-    rows = []
+    rows, places = [], {dim: coord.values.tolist() for dim, coord in metrics.coords.items()}
     for name, data in metrics.data_vars.items():
         meaning, unit = data.attrs["long_name"].removeprefix("RMS "), data.attrs["units"]
         dim = next((dim for dim in data.dims if dim != "design"), None)
         if dim is None:
             rows.append(Row(str(name), meaning, unit, np.atleast_1d(data.values)))
             continue
-        for place, values in zip(data[dim].values.tolist(), data.values.T, strict=True):
+        for place, values in zip(places[dim], data.values.T, strict=True):
             rows.append(Row(f"{name}@{place}", f"{meaning}, {named(place)}", unit, np.atleast_1d(values)))
     return rows
 

@@ -215,7 +215,7 @@ explorer.panels = (() => {
   }
 
   const EXAGGERATED = 3;
-  const SLOWED = 0.35;
+  const SLOWED = 0.25;
 
   function ride(designs, state) {
     const host = body("ride");

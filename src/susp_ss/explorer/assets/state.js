@@ -72,7 +72,7 @@ explorer.state = (() => {
     for (const [name, word] of query) {
       if (name === "model" || name === "pin") continue;
       const row = known.get(name);
-      if (!row) errors.push(error(name, `no parameter of ${model} named ${name}`));
+      if (!row) errors.push(error(name, `no parameter of ${model} named '${name}'`));
       else {
         const value = row.kind === "choice" ? (row.several ? word.split(",") : word) : number(word);
         const what = wrong(row, value);
