@@ -240,7 +240,7 @@ def engine() -> str:
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
         | {"spacing": step},
         "WORDS": {
-            "background": "the Pareto front and what a controller could do are computed by susp-ss explore",
+            "background": "front and best law: susp-ss explore",
             "drifting": drifting(),
             "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },
