@@ -24,6 +24,7 @@ from ..responses.positions import form_with_positions, with_positions
 from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, TRACKS, Road
+from ..vehicles.full import FullCar
 from ..vehicles.second_order import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion
@@ -70,14 +71,22 @@ def assembled(vehicle: Vehicle) -> str:
 def placed(vehicle: Vehicle) -> list[tuple[int, list[str]]]:
     """Rows of `form_with_positions` that a drive over a bump shows, and where."""
     names = with_positions(vehicle.layout(), vehicle).outputs.names
-    points = [name for name in names if name.partition("_")[0] == "z" and name.startswith("z_s")]
-    shown = {points[0]: ["body", "heave"], "pitch": ["body", "pitch"], "roll": ["body", "roll"]}
+    body = next(name for name in names if name.startswith("z_s"))
+    shown = {body: ["body", "heave"], "pitch": ["body", "pitch"], "roll": ["body", "roll"]}
     shown |= {signal("z_u", wheel): ["wheels", wheel] for wheel in vehicle.wheels}
     return [(names.index(name), at) for name, at in shown.items() if name in names]
 
 
 def excitations(vehicle: Vehicle) -> dict[str, Any]:
-    """How a road reaches a vehicle: for each kind of tracks the processes, met by one axle after another."""
+    """How a road reaches a vehicle: for each kind of tracks the processes, met by one axle after another.
+
+    Raises
+    ------
+    ValueError
+        The vehicle has more than two axles, which the engine does not know.
+    """
+    if len(vehicle.axles) > 2:
+        raise ValueError(f"the engine knows vehicles of one axle or two, got {type(vehicle).__name__}")
     model, found = vehicle.assemble(), dict[str, Any]()
     for tracks in TRACKS:
         found[tracks] = []
@@ -206,8 +215,6 @@ def wavinesses() -> list[float]:
 
 def drifting() -> str:
     """What is said where the ground's warp has no finite variance."""
-    from ..vehicles.full import FullCar
-
     road = Road(waviness=3.0, tracks="independent")
     try:
         ride_metrics(FullCar(), road)
