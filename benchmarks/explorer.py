@@ -1,8 +1,8 @@
 """From a slider to the picture of the explorer, in a browser, and where that time goes.
 
-The page is served as ``susp-ss explore`` serves it and opened in Chromium or Chrome, 1440 x 900, its cars moving. Each
-move of a slider is timed from its input event to the frame after the last drawing, by the browser's clock. The engine's
-own share is `compute` alone. Writes a table under ``benchmarks/results``.
+The page is served as ``susp-ss explore`` serves it, or lies in a folder as on the site, and is opened in Chromium or
+Chrome, 1440 x 900, its cars moving. Each move of a slider is timed from its input event to the frame after the last
+drawing, by the browser's clock. The engine's own share is `compute` alone. Writes a table under ``benchmarks/results``.
 
     python benchmarks/explorer.py [--moves 200]
 """
@@ -11,9 +11,11 @@ import argparse
 import os
 import platform
 import shutil
+import tempfile
 import threading
 import time
 from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
 from playwright.sync_api import sync_playwright
@@ -22,6 +24,8 @@ from ride_metrics import RESULTS
 
 from susp_ss.explorer.app import application
 from susp_ss.explorer.compute import compute
+from susp_ss.explorer.freeze import freeze
+from susp_ss.explorer.javascript import MODELS
 from susp_ss.explorer.server import address, listening
 from susp_ss.explorer.state import NOTHING, from_query
 
@@ -103,16 +107,20 @@ def main():
     load, body, broken = os.getloadavg()[0], [], []
     server = listening(application(), 0)
     threading.Thread(target=server.serve_forever, daemon=True).start()
-    with sync_playwright() as driver:
+    with sync_playwright() as driver, tempfile.TemporaryDirectory() as folder:
+        alone = freeze(Path(folder)).as_uri()
         found = next(filter(None, map(shutil.which, BROWSERS)))
         browser = driver.chromium.launch(executable_path=found, args=SWITCHES)
         named = f"Chromium {browser.version}"
         for scene, (query, name) in SCENES.items():
             took = moves(browser, address(server), query, name, count)
             median, most = np.quantile(took, [0.5, 0.95])
-            body.append([scene, digits(engine(query)), digits(median), digits(most)])
-            if most > MOST:
-                broken.append(f"{scene}: {most:.0f} ms")
+            without = "–"
+            if "model=" not in query or any(f"model={model}" in query for model in MODELS):
+                without = digits(np.quantile(moves(browser, alone, query, name, count), 0.95))
+            body.append([scene, digits(engine(query)), digits(median), digits(most), without])
+            if max(most, float(without.replace("–", "0"))) > MOST:
+                broken.append(f"{scene}: {most:.0f} ms, without a server {without} ms")
         browser.close()
     server.shutdown()
     text = [
@@ -122,7 +130,7 @@ def main():
         f"without a graphics card; load average at its start {load:.1f} (0 on a quiet machine). Of {count} moves of a "
         "slider, from its input event to the frame after the last drawing, browser and server on one machine.",
         "",
-        *rows(["", "the engine alone, ms", "median, ms", "95 %, ms"], body),
+        *rows(["", "the engine alone, ms", "median, ms", "95 %, ms", "95 % without a server, ms"], body),
         "",
     ]
     (RESULTS / "explorer.md").write_text("\n".join(text), encoding="utf-8")

@@ -6,12 +6,13 @@ import pytest
 import susp_ss as ss
 from susp_ss.explorer.background import Field, carpet
 from susp_ss.explorer.compute import compute
-from susp_ss.explorer.javascript import MODELS, engine, wavinesses
+from susp_ss.explorer.javascript import MODELS, engine, excitations, wavinesses
 from susp_ss.explorer.state import NOTHING
 from susp_ss.explorer.table import Number
 from susp_ss.roads.road import TRACKS
+from susp_ss.vehicles.truck import ThreeAxleTruck
 
-CARS = 60
+CARS = 48
 
 
 @pytest.fixture(scope="module")
@@ -142,6 +143,11 @@ def test_carpet(ask):
     (found,) = ask("background", [state])
     agree(found["carpet"], expected, 1e-9)
     assert "susp-ss explore" in found["errors"][0]["message"]
+
+
+def test_more_axles_are_not_known():
+    with pytest.raises(ValueError, match="one axle or two, got ThreeAxleTruck"):
+        excitations(ThreeAxleTruck())
 
 
 def test_what_is_refused_is_said(ask):

@@ -46,31 +46,23 @@ def application(given: Given = NOTHING, served: bool = True) -> dash.Dash:
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False)
     app.index_string = app.index_string.replace("{%favicon%}", ICON)
-    if served:
-        offer(app.server, given)
     app.layout = layout(given, files=served)
 
-    def script(function: str, store: str) -> None:
-        app.clientside_callback(dash.ClientsideFunction("explorer", function), dash.Input(store, "data"))
+    def script(function: str, *stores: Any, of: str = "explorer") -> None:
+        app.clientside_callback(dash.ClientsideFunction(of, function), *stores, prevent_initial_call=of != "explorer")
 
-    script("start", "table")
-    script("answered", "results")
-    script("answeredSlowly", "background")
-
+    script("start", dash.Input("table", "data"))
+    script("answered", dash.Input("results", "data"))
+    script("answeredSlowly", dash.Input("background", "data"))
+    fast = dash.Output("results", "data"), dash.Input("state", "data")
+    slow = dash.Output("background", "data"), dash.Input("conditions", "data")
     if not served:
-        for function, store, question in (("compute", "results", "state"), ("background", "background", "conditions")):
-            answers = dash.ClientsideFunction("engine", function)
-            asked = dash.Output(store, "data"), dash.Input(question, "data")
-            app.clientside_callback(answers, *asked, prevent_initial_call=True)
+        script("compute", *fast, of="engine")
+        script("background", *slow, of="engine")
         return app
 
-    @app.callback(dash.Output("results", "data"), dash.Input("state", "data"), prevent_initial_call=True)
-    def answer(state: Any) -> Any:
-        return compute(state, given)
-
-    @app.callback(dash.Output("background", "data"), dash.Input("conditions", "data"), prevent_initial_call=True)
-    def answer_slowly(conditions: Any) -> Any:
-        return background(conditions, given)
-
+    offer(app.server, given)
+    app.callback(*fast, prevent_initial_call=True)(lambda state: compute(state, given))
+    app.callback(*slow, prevent_initial_call=True)(lambda conditions: background(conditions, given))
     guard(app.server, app.csp_hashes())
     return app

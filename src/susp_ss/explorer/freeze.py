@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -35,12 +36,12 @@ window.fetch = (address, ...more) => {{
 class Alone(Given):
     """What an explorer without a server offers: the models that `javascript.engine` knows, with numbers for dampers."""
 
-    @property
+    @cached_property
     def models(self) -> dict[str, Any]:
         """Models by name."""
         return {name: car for name, car in super().models.items() if name in MODELS}
 
-    @property
+    @cached_property
     def tables(self) -> dict[str, Any]:
         """For each model, what the page may set."""
         return {name: tuple(row for row in rows if row.table != "curve") for name, rows in super().tables.items()}

@@ -24,6 +24,7 @@ from ..responses.positions import form_with_positions, with_positions
 from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, TRACKS, Road
+from ..vehicles.full import FullCar
 from ..vehicles.second_order import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion
@@ -70,14 +71,22 @@ def assembled(vehicle: Vehicle) -> str:
 def placed(vehicle: Vehicle) -> list[tuple[int, list[str]]]:
     """Rows of `form_with_positions` that a drive over a bump shows, and where."""
     names = with_positions(vehicle.layout(), vehicle).outputs.names
-    points = [name for name in names if name.partition("_")[0] == "z" and name.startswith("z_s")]
-    shown = {points[0]: ["body", "heave"], "pitch": ["body", "pitch"], "roll": ["body", "roll"]}
+    body = next(name for name in names if name.startswith("z_s"))
+    shown = {body: ["body", "heave"], "pitch": ["body", "pitch"], "roll": ["body", "roll"]}
     shown |= {signal("z_u", wheel): ["wheels", wheel] for wheel in vehicle.wheels}
     return [(names.index(name), at) for name, at in shown.items() if name in names]
 
 
 def excitations(vehicle: Vehicle) -> dict[str, Any]:
-    """How a road reaches a vehicle: for each kind of tracks the processes, met by one axle after another."""
+    """How a road reaches a vehicle: for each kind of tracks the processes, met by one axle after another.
+
+    Raises
+    ------
+    ValueError
+        The vehicle has more than two axles, which the engine does not know.
+    """
+    if len(vehicle.axles) > 2:
+        raise ValueError(f"the engine knows vehicles of one axle or two, got {type(vehicle).__name__}")
     model, found = vehicle.assemble(), dict[str, Any]()
     for tracks in TRACKS:
         found[tracks] = []
@@ -170,20 +179,20 @@ def model(name: str) -> str:
     """A model, without a seat and with one, as entries of an object of JavaScript."""
     bare: Any = NOTHING.models[name]
     seat = {row.key: row.default for row in numbers(name, "seat")}
-    known = settings(name, bare)
     asked = next(row for row in NOTHING.tables[name] if isinstance(row, Choice) and row.name == "bode")
     alone = tuple(output for output in asked.options if output not in asked.seated)
     occupied = seated(bare, seat)
     more = [field for field in type(occupied).quantities() if field not in type(bare).quantities()]
-    of_seat = {f"seat.{key}": [next(field for field in more if field.startswith(f"seat_{key}"))] for key in seat}
+    known = {
+        "vehicle": settings(name, bare),
+        "seat": {key: next(field for field in more if field.startswith(f"seat_{key}")) for key in seat},
+    }
 
-    def entry(key: str, car: Vehicle, own: dict[str, list[str]], outputs: tuple[str, ...]) -> str:
-        data = json.dumps(described(car, outputs) | {"settings": own})
+    def entry(key: str, car: Vehicle, outputs: tuple[str, ...]) -> str:
+        data = json.dumps(described(car, outputs) | {"settings": known})
         return f"{json.dumps(key)}: {{ ...{data},\nassemble: {assembled(car)} }}"
 
-    return ",\n".join(
-        [entry(name, bare, known, alone), entry(f"{name}, seated", occupied, known | of_seat, asked.options)]
-    )
+    return ",\n".join([entry(name, bare, alone), entry(f"{name}, seated", occupied, asked.options)])
 
 
 def numbers(name: str, table: str) -> list[Number]:
@@ -206,8 +215,6 @@ def wavinesses() -> list[float]:
 
 def drifting() -> str:
     """What is said where the ground's warp has no finite variance."""
-    from ..vehicles.full import FullCar
-
     road = Road(waviness=3.0, tracks="independent")
     try:
         ride_metrics(FullCar(), road)
@@ -240,7 +247,7 @@ def engine() -> str:
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
         | {"spacing": step},
         "WORDS": {
-            "background": "the Pareto front and what a controller could do are computed by susp-ss explore",
+            "background": "front and best law: susp-ss explore",
             "drifting": drifting(),
             "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },

@@ -44,6 +44,10 @@ DOWNLOADS = {
 """Kinds of files: word on the button and what it is."""
 
 
+ELSEWHERE = "Files, damper curves, cars of your own: susp-ss explore"
+"""What a page without a server says in place of its downloads."""
+
+
 def layout(given: Given, files: bool = True) -> Any:
     """The page: the stores ``state``, ``results``, ``conditions`` and ``background``, and what scripts fill.
 
@@ -81,13 +85,14 @@ def _header(files: bool) -> list[Any]:
 
     kinds = [button(f"download-{kind}", text, f"Download: {words}") for kind, (text, words) in DOWNLOADS.items()]
     downloads = html.Div([html.Span("Download", className="quiet"), *kinds], id="downloads")
+    elsewhere = html.Span(ELSEWHERE, className="quiet", id="elsewhere")
     return [
         html.H1("susp_ss explorer"),
         html.Label(["Model", html.Span(id="models")]),
         html.Div([button("undo", "Undo", "Undo (Ctrl+Z)"), button("redo", "Redo", "Redo (Ctrl+Shift+Z)")]),
         html.Div([button("pin", "Pin design", "Pin this design and compare others with it")]),
         html.Ul(id="pins", **_aria(label="Pinned designs")),
-        *([downloads] if files else []),
+        downloads if files else elsewhere,
     ]
 
 

@@ -2,14 +2,17 @@
 
 // The car of a state: what it sets, at the wheels that it means.
 function carOf({ model, vehicle, seat }) {
-  const kind = seat ? `${model}, seated` : model, parameters = {};
-  for (const [name, value] of [...Object.entries(vehicle), ...Object.entries(seat ?? {}).map(([of, value]) => [`seat.${of}`, value])]) {
-    for (const parameter of MODELS[kind].settings[name]) parameters[parameter] = value;
-  }
+  const kind = seat ? `${model}, seated` : model, { settings } = MODELS[kind], parameters = {};
+  const set = (parameter, value) => (parameters[parameter] = value);
+  for (const [name, value] of Object.entries(vehicle)) settings.vehicle[name].forEach((one) => set(one, value));
+  for (const [name, value] of Object.entries(seat ?? {})) set(settings.seat[name], value);
   return new Car(kind, parameters);
 }
 
-const metrics = (state) => carOf(state).metrics(state.road);
+// The road of a state; the waviness of a slider that adds its steps up is off by rounding.
+const roadOf = ({ road }) => ({ ...road, waviness: Number(road.waviness.toFixed(9)) });
+
+const metrics = (state) => carOf(state).metrics(roadOf(state));
 
 // JSON has no infinity.
 const finite = (value) => (Number.isFinite(value) ? value : null);
@@ -36,7 +39,7 @@ function overSpeed(car, road) {
 function comfort(car, road) {
   const variances = {};
   for (const { weighting } of Object.values(AXES)) variances[weighting] ??= car.variances(road, FILTERS[weighting]);
-  const felt = (axis, row) => Math.sqrt(variances[AXES[axis].weighting][row]);
+  const felt = (axis, row) => deviation(variances[AXES[axis].weighting][row]);
   const rotations = Object.entries(car.rotations).map(([axis, { word, row }]) => [axis, word, felt(axis, row)]);
   return car.points.map(({ point, label, row }) => {
     const wz = felt("bacc", row), axes = [["bacc", "wz", wz], ...rotations];
@@ -61,16 +64,16 @@ function overFrequency(car, road, outputs) {
 }
 
 function compute(state) {
-  const car = carOf(state), { road } = state, why = refused(car, road);
+  const car = carOf(state), road = roadOf(state), why = refused(car, road);
   const found = { errors: why ? [{ parameter: "", message: why }] : [], surrogates: [] };
   if (!why) Object.assign(found, overSpeed(car, road), { comfort: comfort(car, road) });
   if (road.waviness in GAMMA) Object.assign(found, overFrequency(car, road, state.bode));
   return Object.assign(found, { modes: modes(car), bump: bump(car, state.bump) });
 }
 
-// Two metrics for every combination of springs and dampers about the model's own, as susp_ss.explorer.background has them.
+// Two metrics for every combination of springs and dampers about the model's own, as susp_ss.explorer.background says.
 function background(state) {
-  const own = DESIGNS[state.model], { road } = state, errors = [{ parameter: "", message: WORDS.background }];
+  const own = DESIGNS[state.model], road = roadOf(state), errors = [{ parameter: "", message: WORDS.background }];
   const bare = carOf(state), why = refused(bare, road);
   if (why) return { errors: [{ parameter: "", message: why }] };
   const named = (name) => bare.measured.findIndex((one) => one.name === name || one.name.startsWith(`${name}@`));

@@ -66,7 +66,7 @@ function solve(A, B) {
   return B;
 }
 
-// Eigenvalues of a real matrix: to Hessenberg's form by elimination with pivots, then by QR steps with Wilkinson's shift.
+// Eigenvalues of a real matrix, by elimination to Hessenberg's form, then QR steps with Wilkinson's shift.
 function eigenvalues(A) {
   const n = A.length, H = hessenberg(A).map((row) => Array.from(row, (one) => complex(one)));
   const size = (i, j) => modulus(H[i][j]);

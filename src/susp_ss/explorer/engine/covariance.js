@@ -4,8 +4,7 @@
 // Of the size of its terms, what a sum that cancels leaves.
 const ROUNDING = 1e-13;
 
-// Modes that a change of their size moves by more than this are too nearly one to keep digits; dampers are then taken as
-// other by a ten-millionth.
+// Modes of a condition above this are too nearly one to keep digits; dampers then count as other by a ten-millionth.
 const PARALLEL = 1e4, ASIDE = 1e-7;
 
 // p' = v + ..., v' = -K p - C v + ..., K and C symmetric; vectors hold the positions before the velocities. Modes are
@@ -59,8 +58,8 @@ class Dynamics {
   // right by Rayleigh's quotient, whose error is the square of the vector's.
   polished(rate, at) {
     const { n, K, C } = this, aside = scaled(rate, 1 + 1e-9), square = product(aside, aside);
-    const applied = (M, x) => x.map((_, i) => x.reduce((total, one, j) => plus(total, scaled(one, M[i][j])), complex(0)));
-    const form = (x, y) => x.reduce((total, one, i) => plus(total, product(one, y[i])), complex(0));
+    const applied = (M, x) => M.map((row) => x.map((one, j) => scaled(one, row[j])).reduce(plus));
+    const form = (x, y) => x.map((one, i) => product(one, y[i])).reduce(plus);
     let shape = Array.from({ length: n }, (_, i) => complex(Math.cos(1 + i * i + i * at)));
     for (let round = 0; round < 3; round++) {
       const D = K.map((row, i) => Array.from(row, (k, j) => {
@@ -89,12 +88,12 @@ class Dynamics {
 
 const divided = (A, by) => A.map((row) => row.map((one) => one / by));
 
-// What one process u of a spectrum stirs up, met by the amplitudes entries[j] after the j-th of at most two axles: felt[j],
-// E[x u(t - tau_j)] by modes, half of it where an axle meets itself; and of h' = sum rates[j] u(t - tau_j), which adds up
-// to nothing over the axles, E[x h] by modes and E[h^2].
+// What one process u of a spectrum stirs up, which moves modes by entries[j] at the j-th of at most two axles: felt[j],
+// E[x u(t - tau_j)] by modes, half of it where an axle meets itself. Of h' = sum integrating[j] u(t - tau_j), which adds
+// up to nothing over the axles, E[x h] by modes and E[h^2].
 //
 // With R = (alpha I - A)^-1, d = e^(-alpha tau) and f what a fading colour forces over the delay, alpha R = I + R A and
-// alpha f = e^(A tau) b - d b - A f: high-passes, though white at high frequency, then need no white noise of their own,
+// alpha f = e^(A tau) b - d b - A f. High-passes, though white at high frequency, then need no white noise of their own,
 // with which they would cancel.
 function stirred({ rates }, entries, tau, { level, terms }, integrating) {
   const behind = entries.length > 1;

@@ -96,7 +96,8 @@ function modes(car) {
       else drawn[first][place] = [re, im];
     });
     const at = own[i] ?? shares[i].indexOf(Math.max(...shares[i]));
-    return { name: car.coordinates[at].motion, frequency: modulus(rate) / (2 * Math.PI), damping: -rate.re / modulus(rate), shape: drawn };
+    const size = modulus(rate), name = car.coordinates[at].motion;
+    return { name, frequency: size / (2 * Math.PI), damping: -rate.re / size, shape: drawn };
   });
 }
 
@@ -126,7 +127,8 @@ function bump(car, { height, length, speed }) {
     return point(k) + (at - k) * (point(k + 1) - point(k));
   };
   const step = Math.min(BUMP.step, length / speed / BUMP.over);
-  const way = (BUMP.before + BUMP.after) * speed + length + car.wheelbase, steps = Math.floor(way / (speed * step) + 1e-6);
+  const way = (BUMP.before + BUMP.after) * speed + length + car.wheelbase;
+  const steps = Math.floor(way / (speed * step) + 1e-6);
   const every = Math.max(1, Math.floor((steps + 1) / BUMP.shown));
   const heights = (i) => axles.map((axle) => ground((i * step - BUMP.before) * speed - axle * car.wheelbase));
   const { rates } = dynamics, into = car.entering.map((one) => dynamics.amplitudes(one));

@@ -1,6 +1,6 @@
 // Root mean squares of a car's ride: spectra as first-order terms (susp_ss.roads.colours), and a car on a road.
 
-// Spectra level + Re sum (low alpha^2 + high omega^2) / (alpha^2 + omega^2) are { level, terms: [{ alpha, low, high }] }.
+// Spectra { level, terms: [{ alpha, low, high }] } are level + Re sum (low alpha^2 + high omega^2) / (alpha^2 + omega^2).
 function multiplied(one, other) {
   const apart = one.terms.map((term) => {
     const near = ({ alpha }) => modulus(minus(term.alpha, alpha)) < COINCIDENT * modulus(alpha);
@@ -39,7 +39,8 @@ function spectrumOf(process, road, trackWidth) {
   const scale = (process.sign ? 1 : process.share) * road.roughness * road.speed * unit ** (road.waviness - 2);
   const rate = road.speed / unit;
   const term = (alpha, low, high) => ({ alpha: complex(alpha), low: complex(low), high: complex(high) });
-  const surface = { level: scale * level, terms: terms.map(([alpha, low, high]) => term(alpha * rate, scale * low, scale * high)) };
+  const own = terms.map(([alpha, low, high]) => term(alpha * rate, scale * low, scale * high));
+  const surface = { level: scale * level, terms: own };
   if (!road.cutoff) return surface;
   return multiplied(surface, { level: 0, terms: [term(2 * Math.PI * road.cutoff * road.speed, 0, 1)] });
 }
@@ -53,6 +54,9 @@ const paired = ({ level, terms }) => ({
     return alpha.im ? [half, other()] : [{ alpha, low, high }];
   }),
 });
+
+// What is zero may be less by rounding.
+const deviation = (variance) => Math.sqrt(Math.max(variance, 0));
 
 // A car of numbers, ready for any road: a kind of `MODELS`, with parameters at every wheel.
 class Car {
@@ -72,7 +76,7 @@ class Car {
     this.entering = this.corners.map((_, wheel) => entering.map((row) => row[wheel]));
     // What every output sees of each mode: elongation R p + rate R p' + acceleration p''.
     const of = (row, x) => row.reduce((total, one, i) => (one ? plus(total, scaled(x[i], one)) : total), complex(0));
-    this.placed = this.placed.map((one, i) => ({ ...one, seen: this.shapes.map((shape) => of(this.places[i], shape)) }));
+    this.placed = this.placed.map(({ at }, i) => ({ at, seen: this.shapes.map((shape) => of(this.places[i], shape)) }));
     const stretched = this.shapes.map((shape) => this.R.map((row) => of(row, shape)));
     this.seen = this.elongation.map((elongation, i) => rates.map((rate, k) => {
       const moving = plus(of(this.rate[i], stretched[k]), product(rate, of(this.acceleration[i], this.shapes[k])));
@@ -80,9 +84,9 @@ class Car {
     }));
     this.on_warp = this.elongation.map(() => 0);
     for (const warp of this.integrators) {
-      const static_ = times(multiply(this.R, this.G), warp);
-      add(static_, times(this.N, warp), 1);
-      this.on_warp = times(this.elongation, static_).map((one) => one / dot(warp, warp));
+      const standing = times(multiply(this.R, this.G), warp);
+      add(standing, times(this.N, warp), 1);
+      this.on_warp = times(this.elongation, standing).map((one) => one / dot(warp, warp));
     }
   }
 
@@ -98,7 +102,7 @@ class Car {
   // Variance of every output on a road, behind a filter if there is one.
   variances(road, filter = null) {
     const { dynamics } = this, { rates, counted } = dynamics, all = dynamics.whole(rates), n = all.length;
-    const re = new Float64Array(rates.length * n), im = new Float64Array(rates.length * n), cross = rates.map(() => complex(0));
+    const [re, im] = [0, 1].map(() => new Float64Array(rates.length * n)), cross = rates.map(() => complex(0));
     let warped = 0;
     for (const process of this.processes[road.tracks]) {
       const surface = spectrumOf(process, road, this.track_width);
@@ -144,7 +148,7 @@ class Car {
   metrics(road) {
     const variances = this.variances(road);
     return this.measured.map(({ row, damper }) =>
-      damper === null ? Math.sqrt(variances[row]) : this.damping[damper] * variances[row],
+      damper === null ? deviation(variances[row]) : this.damping[damper] * variances[row],
     );
   }
 }
