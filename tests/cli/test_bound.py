@@ -19,12 +19,15 @@ def test_it_says_what_the_library_says(run, tmp_path):
     assert (tmp_path / "out" / "feedback.csv").exists()
     assert run(*QUARTER, "--out", tmp_path / "out").code == 2
     assert "active bound on QuarterCar" in run(*QUARTER).out
+    assert found["least"] is None
+    assert "By a semidefinite programme nothing comes" in run(*QUARTER, "--certify", "clarabel").out
 
 
 @pytest.mark.parametrize(
     ("line", "said"),
     [
         (["--limit", "sws"], "--limit must be OUTPUT=VALUE such as sws@fr=6mm, got 'sws'"),
+        (["--certify", "mosek"], "certify must be 'clarabel' or 'scs', got 'mosek'"),
         (["--limit", "swx=3"], "limits: no output named 'swx'"),
         (["--limit", "sws=3N"], "--limit sws"),
         (["--limit", "sws=6"], "pass --trust-units"),
