@@ -161,51 +161,51 @@ def test_curves_seats_and_other_models(tab):
 
 
 def test_undo_redo_and_back(tab):
-    tab.go()
+    tab.go("?model=quarter")
     assert tab.locator("#undo").is_disabled()
-    press(tab, "ks_front", "ArrowRight", times=3)
-    press(tab, "cs_rear", "ArrowLeft", times=2)
-    moved = row(tab, "Body vertical", "centre of gravity")
-    assert query(tab) == {"ks_front": "20053", "cs_rear": "1416.5"}
-    slider(tab, "cs_rear").press("Control+z")
-    until(tab, "!location.search.includes('cs_rear')")
-    assert query(tab) == {"ks_front": "20053"}  # The moves of one slider are one step.
+    press(tab, "ks", "ArrowRight", times=3)
+    press(tab, "cs", "ArrowLeft", times=2)
+    moved = row(tab, "Body vertical")
+    assert query(tab) == {"model": "quarter", "ks": "20053", "cs": "1416.5"}
+    slider(tab, "cs").press("Control+z")
+    until(tab, "!location.search.includes('cs=')")
+    assert query(tab) == {"model": "quarter", "ks": "20053"}  # The moves of one slider are one step.
     tab.go_back()
-    until(tab, "location.search === ''")
-    assert slider(tab, "ks_front").get_attribute("aria-valuetext") == "18.55 kN/m"
+    until(tab, "!location.search.includes('ks=')")
+    assert slider(tab, "ks").get_attribute("aria-valuetext") == "18.55 kN/m"
     tab.locator("#redo").click()
-    until(tab, "location.search !== ''")
-    slider(tab, "ks_front").press("Control+Shift+Z")
-    until(tab, "location.search.includes('cs_rear')")
+    until(tab, "location.search.includes('ks=')")
+    slider(tab, "ks").press("Control+Shift+Z")
+    until(tab, "location.search.includes('cs=')")
     tab.wait_for_selector(IDLE)
-    assert row(tab, "Body vertical", "centre of gravity") == moved
+    assert row(tab, "Body vertical") == moved
     assert tab.locator("#redo").is_disabled()
 
 
 def test_pins_and_reload(tab):
-    tab.go()
+    tab.go("?model=quarter")
     for _ in range(4):
-        press(tab, "ks_front", "ArrowRight", times=2)
+        press(tab, "ks", "ArrowRight", times=2)
         tab.locator("#pin").click()
         tab.wait_for_selector(IDLE)
     assert tab.locator("#pin").is_disabled()
     press(tab, "speed", "ArrowRight", times=4)
     faster = ss.Road.iso8608("B", speed=22.0, tracks="isotropic")
-    pinned = [ss.ride_metrics(front(18553.0 + 1e3 * i), faster).bacc.sel(point="cg") for i in range(1, 5)]
-    now, change, *shown = row(tab, "Body vertical", "centre of gravity")
+    pinned = ss.ride_metrics(ss.QuarterCar(ks=18553.0 + 1e3 * np.arange(1, 5)), faster).bacc.values
+    now, change, *shown = row(tab, "Body vertical")
     assert all(map(near, shown, pinned))
     assert change == pytest.approx(100.0 * float(pinned[3] / pinned[0] - 1.0), abs=0.06)
     tab.reload()
     tab.wait_for_selector(IDLE)
-    assert row(tab, "Body vertical", "centre of gravity") == [now, change, *shown]
+    assert row(tab, "Body vertical") == [now, change, *shown]
     assert tab.locator("#undo").is_enabled()
     tab.get_by_role("button", name="Compare with D").click()
     tab.get_by_role("button", name="Unpin design B").click()
     tab.wait_for_selector(IDLE)
-    assert row(tab, "Body vertical", "centre of gravity") == [now, 0.0, shown[3], *shown[1:3]]
+    assert row(tab, "Body vertical") == [now, 0.0, shown[3], *shown[1:3]]
     tab.get_by_role("button", name="Go on from design B").click()
     tab.wait_for_selector(IDLE)
-    assert query(tab)["ks_front"] == "20553"
+    assert query(tab)["ks"] == "20553"
 
 
 def test_bad_urls(tab):
@@ -333,12 +333,12 @@ def test_pictures_are_downloaded(tab):
         assert (width, height) == pytest.approx((2 * box["width"], 2 * box["height"]), abs=1.0)
 
 
-MOVES = """async ([count, between]) => {
+MOVES = """async ([count, together]) => {
     const slider = document.querySelector("input[name=ks]");
     for (let i = 0; i < count; i++) {
         slider.value = (7 * i) % 100;
         slider.dispatchEvent(new Event("input", { bubbles: true }));
-        await new Promise((done) => setTimeout(done, between));
+        if (i % together === 0) await new Promise((done) => setTimeout(done, 4));
     }
 }"""
 
@@ -373,7 +373,7 @@ def test_a_thousand_moves(tab):
     assert nodes < 50
     assert listeners <= 0
     assert tab.evaluate("most") <= 2  # One for what moves, one for the background of the carpet.
-    assert tab.evaluate("answers") > 20
+    assert tab.evaluate("answers") > 10
     ks = float(query(tab)["ks"])
     assert ks == pytest.approx(5053.0 + 500.0 * (7 * 999 % 100))
     assert near(row(tab, "Body vertical")[0], ss.ride_metrics(ss.QuarterCar(ks=ks), ROAD).bacc)

@@ -70,7 +70,7 @@ explorer.page = (() => {
     wrong.delete("server");
     if (pin !== undefined) answers.set(pin, { key, results });
     else {
-      now = { key, results: results.metrics ? results : now.results };
+      now = { key, results };
       complain(results.errors);
     }
     try {
@@ -192,7 +192,7 @@ explorer.page = (() => {
   function settle() {
     askSlowly();
     if (!now.results?.metrics) return;
-    const [first, before] = designs().map(({ results }) => results?.metrics[0]);
+    const [first, before] = designs().map(({ results }) => results?.metrics?.[0]);
     const { one, unit } = explorer.words.metric(first.name, first.unit);
     const [number, change] = [
       explorer.numbers.brief(first.value / one),
@@ -305,7 +305,7 @@ explorer.page = (() => {
     draw(["carpet"]);
   }
 
-  return { start, answered, answeredSlowly, refuse, query: () => explorer.state.write(here) };
+  return { start, answered, answeredSlowly, refuse };
 })();
 
 window.dash_clientside = Object.assign(window.dash_clientside || {}, {

@@ -48,7 +48,7 @@ explorer.panels = (() => {
       const names = results[part].map((one) => one.output);
       only(panel, names);
       results[part].forEach((one) =>
-        draw(designs, one, (found) => found[part].find(({ output: name }) => name === one.output)),
+        draw(designs, one, (found) => found[part]?.find(({ output: name }) => name === one.output)),
       );
     };
   }
@@ -115,8 +115,8 @@ explorer.panels = (() => {
         x: { label: "speed (m/s)", unit: "m/s", span: [found.speed[0], found.speed.at(-1)] },
         y: { label: `${title(name)} (${shown})`, one },
         lines: lines(designs, ({ speeds: of }) => ({
-          x: of.speed,
-          y: of.metrics.find((each) => each.name === name)?.values,
+          x: of?.speed,
+          y: of?.metrics.find((each) => each.name === name)?.values,
         })),
         at: state.road.speed,
         words: `${output(name)} over speed`,
@@ -132,7 +132,7 @@ explorer.panels = (() => {
       one: metric(name).one,
       least: 0.2,
     });
-    const value = (results, name) => results.metrics.find((each) => each.name === name)?.value ?? null;
+    const value = (results, name) => results.metrics?.find((each) => each.name === name)?.value ?? null;
     const points = designs
       .filter(({ results }) => results)
       .map(({ name, style, results }) => ({
