@@ -7,6 +7,7 @@ explorer.page = (() => {
   const PATIENCE = 10000; // ms until an unanswered question is asked again.
   const QUIET = 500; // ms without a move until slow things are asked for and numbers are read out.
   const NAMES = ["A", "B", "C", "D"];
+  const NEEDS = { ride: "bump", carpet: "metrics" }; // Parts of the results by other names than their panels.
   const FAST = ["metrics", "comfort", "ride", "modes", "bode", "psd", "speeds", "carpet", "surrogates"];
 
   let here; // {state, pins} of the page.
@@ -91,23 +92,15 @@ explorer.page = (() => {
     if (!now.results) return;
     const all = designs();
     for (const name of names) {
-      if (!seen.has(name)) waiting.add(name);
-      else {
-        waiting.delete(name);
-        show(name, all);
-      }
+      const found = now.results[NEEDS[name] ?? name];
+      element(name).hidden = !found; // It could not be computed; the line above the page says why.
+      element(`panel-${name}`).hidden = found?.length === 0; // There is no such thing.
+      waiting.delete(name);
+      if (!found || found.length === 0) continue;
+      if (seen.has(name)) (explorer.tables[name] ?? explorer.panels[name])(all, here.state, background.found);
+      else waiting.add(name);
     }
     document.dispatchEvent(new Event("drawn"));
-  }
-
-  // What could not be computed has no picture; the line above the page says why.
-  const NEEDS = { ride: "bump", carpet: "metrics" };
-  function show(name, all) {
-    const found = now.results[NEEDS[name] ?? name];
-    const nothing = !found || found.length === 0 || Object.keys(found.wheels ?? { any: 0 }).length === 0;
-    element(name).hidden = nothing;
-    if (!nothing) (explorer.tables[name] ?? explorer.panels[name])(all, here.state, background.found);
-    if (name === "surrogates") element("panel-surrogates").hidden = nothing;
   }
 
   // Moves
