@@ -48,21 +48,27 @@ def application(given: Given = NOTHING, served: bool = True) -> dash.Dash:
     app.index_string = app.index_string.replace("{%favicon%}", ICON)
     app.layout = layout(given, files=served)
 
-    def script(function: str, *stores: Any, of: str = "explorer") -> None:
-        app.clientside_callback(dash.ClientsideFunction(of, function), *stores, prevent_initial_call=of != "explorer")
+    def script(function: str, store: str) -> None:
+        app.clientside_callback(dash.ClientsideFunction("explorer", function), dash.Input(store, "data"))
 
-    script("start", dash.Input("table", "data"))
-    script("answered", dash.Input("results", "data"))
-    script("answeredSlowly", dash.Input("background", "data"))
-    fast = dash.Output("results", "data"), dash.Input("state", "data")
-    slow = dash.Output("background", "data"), dash.Input("conditions", "data")
+    script("start", "table")
+    script("answered", "results")
+    script("answeredSlowly", "background")
     if not served:
-        script("compute", *fast, of="engine")
-        script("background", *slow, of="engine")
+        for function, store, question in (("compute", "results", "state"), ("background", "background", "conditions")):
+            stores = dash.Output(store, "data"), dash.Input(question, "data")
+            app.clientside_callback(dash.ClientsideFunction("engine", function), *stores, prevent_initial_call=True)
         return app
 
     offer(app.server, given)
-    app.callback(*fast, prevent_initial_call=True)(lambda state: compute(state, given))
-    app.callback(*slow, prevent_initial_call=True)(lambda conditions: background(conditions, given))
+
+    @app.callback(dash.Output("results", "data"), dash.Input("state", "data"), prevent_initial_call=True)
+    def answer(state: Any) -> Any:
+        return compute(state, given)
+
+    @app.callback(dash.Output("background", "data"), dash.Input("conditions", "data"), prevent_initial_call=True)
+    def answer_slowly(conditions: Any) -> Any:
+        return background(conditions, given)
+
     guard(app.server, app.csp_hashes())
     return app
