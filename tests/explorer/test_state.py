@@ -16,13 +16,10 @@ from susp_ss.vehicles.files import model_named
 UNEQUAL = Given(ss.FullCar(ks=ss.Corners(fr=18e3, fl=19e3, rr=21e3, rl=21e3), cs=0.0, ct=200.0, arb_front=123.4))
 
 
+@settings(max_examples=50)
 @given(states())
-def test_a_state_comes_back_from_its_url_to_the_last_digit(state):
+def test_a_state_comes_back_from_its_url_and_from_json_to_the_last_digit(state):
     assert from_query(query(state)) == (state, [])
-
-
-@given(states())
-def test_a_state_comes_back_from_json(state):
     assert checked(json.loads(json.dumps(state))) == (state, [])
 
 

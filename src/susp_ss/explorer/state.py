@@ -122,11 +122,11 @@ def checked(state: Any, given: Given = NOTHING) -> tuple[dict[str, Any], list[di
         if right.get(row.table, ()) is None:
             right[row.table] = {other.key: other.default for other in known.values() if other.table == row.table}
         _put(right, row, _plain(row, value))
-    if right["seat"] is None:
-        errors += [_error(row.name, _unseated(right, row)) for row in given.tables[model] if _unseated(right, row)]
-        for row in given.tables[model]:
-            if _unseated(right, row):
-                _put(right, row, row.default)
+    for row in given.tables[model]:
+        message = "" if right["seat"] else _unseated(right, row)
+        if message:
+            errors.append(_error(row.name, message))
+            _put(right, row, row.default)
     return right, errors
 
 
@@ -224,11 +224,7 @@ def _read(row: Number | Choice, word: str) -> Any:
 
 
 def _text(value: Any) -> str:
-    return f"{value:.17g}" if isinstance(value, float) and float(f"{value:.15g}") != value else _short(value)
-
-
-def _short(value: Any) -> str:
-    return f"{value:.15g}" if isinstance(value, float) else str(value)
+    return repr(value).removesuffix(".0") if isinstance(value, float) else value
 
 
 def _put(state: dict[str, Any], row: Number | Choice, value: Any) -> None:
