@@ -218,6 +218,8 @@ def test_bad_urls(tab):
     assert len(told) == 7
     assert near(row(tab, "Dynamic")[0], ss.ride_metrics(ss.QuarterCar(mu=50.4), ROAD).dtl / 1e3)
     assert state["vehicle"]["mu"] == 50.4
+    press(tab, "cs", "ArrowRight")
+    assert tab.locator("#errors").inner_text() == ""
     tab.go("?model=tank&pin=model%3Dquarter%26ks%3D1")
     assert "tank" in tab.locator("#errors").inner_text()
     assert "pin" in tab.locator("#errors").inner_text()

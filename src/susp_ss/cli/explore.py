@@ -50,7 +50,7 @@ def run(
 
     beside = Beside()
     with refusals():
-        app = application(_given(vehicle, system, road, surrogate or [], trust_units), beside.background)
+        app = application(_given(vehicle, system, road, surrogate or [], trust_units), slowly=beside.background)
     try:
         server = listening(app, port)
     except (OSError, OverflowError) as error:
