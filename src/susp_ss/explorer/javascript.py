@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import inspect
 import json
+from collections.abc import Iterable
 from importlib import resources
 from typing import Any
 
@@ -28,7 +29,7 @@ from ..vehicles.full import FullCar
 from ..vehicles.second_order import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion
-from .background import DESIGN, FACTORS
+from .background import DESIGN, FACTORS, background, conditions
 from .compute import SPEEDS
 from .motion import motion_of
 from .rows import at_places, existing, named
@@ -206,6 +207,26 @@ def designs(name: str) -> list[dict[str, Any]]:
     return [{"key": row.key, "group": row.group, "value": row.default} for row in rows]
 
 
+def best(name: str) -> dict[str, Any]:
+    """The Pareto front and the active bound of a model as the page begins with it, and under what they hold.
+
+    Root mean squares grow with the root of the road's roughness, so that one of these serves every roughness.
+    """
+    state = conditions(NOTHING.default(name))
+    found, own = background(state), {row["key"] for row in designs(name)}
+    return {
+        "conditions": {
+            "vehicle": {key: value for key, value in state["vehicle"].items() if key not in own},
+            "seat": state["seat"],
+            "road": {key: value for key, value in state["road"].items() if key != "roughness"},
+            "carpet": state["carpet"],
+        },
+        "roughness": state["road"]["roughness"],
+        "front": found["front"]["points"],
+        "bound": found["bound"]["points"],
+    }
+
+
 def wavinesses() -> list[float]:
     """Those that the slider of the road's waviness stops at."""
     row = next(row for row in numbers(MODELS[0], "road") if row.key == "waviness")
@@ -223,11 +244,16 @@ def drifting() -> str:
     raise AssertionError("independent tracks of waviness 3 must be refused")
 
 
-def engine() -> str:
+def engine(named: Iterable[str] = MODELS) -> str:
     """The engine as a script.
 
     It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does,
     ``background`` the carpet as `susp_ss.explorer.background.background` does; ``metrics`` are the numbers alone.
+
+    Parameters
+    ----------
+    named : iterable of str
+        Models for which `best` is written along, which takes a second or some.
     """
     grid = wavinesses()
     step = inspect.signature(obstacle).parameters["step"].default
@@ -244,10 +270,11 @@ def engine() -> str:
         "REACTIONS": REACTIONS,
         "FACTORS": FACTORS.tolist(),
         "DESIGNS": {name: designs(name) for name in MODELS},
+        "BEST": {name: best(name) for name in named},
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
         | {"spacing": step},
         "WORDS": {
-            "background": "front and best law: susp-ss explore",
+            "background": "front and best law: of the car and road as they begin; susp-ss explore has them of any",
             "drifting": drifting(),
             "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },

@@ -71,9 +71,21 @@ function compute(state) {
   return Object.assign(found, { modes: modes(car), bump: bump(car, state.bump) });
 }
 
+const agrees = (asked, given) => asked === given
+  || (asked instanceof Object && Object.entries(asked).every(([key, value]) => agrees(value, given?.[key])));
+
+// The front and the bound, where a state is what they were written for; both grow as every metric does with the road.
+function bestOf(state) {
+  const best = BEST[state.model];
+  if (!best || !agrees(best.conditions, state)) return { errors: [{ parameter: "", message: WORDS.background }] };
+  const by = Math.sqrt(state.road.roughness / best.roughness);
+  const scaled = (points) => ({ points: points.map((point) => point.map((value) => value * by)) });
+  return { front: scaled(best.front), bound: scaled(best.bound), errors: [] };
+}
+
 // Two metrics for every combination of springs and dampers about the model's own, as susp_ss.explorer.background says.
 function background(state) {
-  const own = DESIGNS[state.model], road = roadOf(state), errors = [{ parameter: "", message: WORDS.background }];
+  const own = DESIGNS[state.model], road = roadOf(state);
   const bare = carOf(state), why = refused(bare, road);
   if (why) return { errors: [{ parameter: "", message: why }] };
   const named = (name) => bare.measured.findIndex((one) => one.name === name || one.name.startsWith(`${name}@`));
@@ -88,5 +100,5 @@ function background(state) {
   if (!designs.flat(2).every(Number.isFinite)) {
     return { errors: [{ parameter: "", message: `a carpet of ${names.x} and ${names.y} is infinite on this road` }] };
   }
-  return { carpet: { ...names, ks: FACTORS, cs: FACTORS, designs }, errors };
+  return { carpet: { ...names, ks: FACTORS, cs: FACTORS, designs }, ...bestOf(state) };
 }
