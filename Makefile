@@ -65,6 +65,7 @@ bench: .venv/installed-test $(NONLINEAR)
 	$(BIN)/python benchmarks/next_runs.py $(NONLINEAR)
 	$(BIN)/python benchmarks/damaged_files.py
 	$(BIN)/python benchmarks/sweeps.py
+	$(BIN)/python benchmarks/explorer.py
 
 # Each in one go, for what installs more has installed the less as well. What is never imported need not be compiled.
 INSTALL = $(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt --editable

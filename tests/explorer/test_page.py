@@ -13,7 +13,7 @@ import susp_ss as ss
 from susp_ss.explorer.app import application
 from susp_ss.explorer.server import address as where
 from susp_ss.explorer.server import listening
-from susp_ss.explorer.state import from_query
+from susp_ss.explorer.state import NOTHING, Given, from_query
 
 IDLE = "#panels[aria-busy=false]"
 ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
@@ -29,18 +29,24 @@ def carpet(conditions, given):
     }
 
 
+@contextlib.contextmanager
+def serving(given=NOTHING):
+    """The address of an explorer, whose background costs nothing."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("susp_ss.explorer.app.background", carpet)
+        server = listening(application(given), 0)
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        yield where(server)
+        server.shutdown()
+        thread.join()
+        server.server_close()
+
+
 @pytest.fixture(scope="module")
 def address():
-    patch = pytest.MonkeyPatch()
-    patch.setattr("susp_ss.explorer.app.background", carpet)
-    server = listening(application(), 0)
-    thread = threading.Thread(target=server.serve_forever)
-    thread.start()
-    yield where(server)
-    server.shutdown()
-    thread.join()
-    server.server_close()
-    patch.undo()
+    with serving() as found:
+        yield found
 
 
 @contextlib.contextmanager
@@ -79,6 +85,12 @@ def press(tab, name, key, times=1):
     for _ in range(times):
         slider(tab, name).press(key)
     tab.wait_for_selector(IDLE)
+
+
+def until(tab, expression):
+    """Wait for the page; its policy lets nobody evaluate text within it, as ``wait_for_function`` does."""
+    while not tab.evaluate(expression):
+        tab.wait_for_timeout(20)
 
 
 def row(tab, metric, place=""):
@@ -149,51 +161,51 @@ def test_curves_seats_and_other_models(tab):
 
 
 def test_undo_redo_and_back(tab):
-    tab.go()
+    tab.go("?model=quarter")
     assert tab.locator("#undo").is_disabled()
-    press(tab, "ks_front", "ArrowRight", times=3)
-    press(tab, "cs_rear", "ArrowLeft", times=2)
-    moved = row(tab, "Body vertical", "centre of gravity")
-    assert query(tab) == {"ks_front": "20053", "cs_rear": "1416.5"}
-    slider(tab, "cs_rear").press("Control+z")
-    tab.wait_for_function("!location.search.includes('cs_rear')")
-    assert query(tab) == {"ks_front": "20053"}  # The moves of one slider are one step.
+    press(tab, "ks", "ArrowRight", times=3)
+    press(tab, "cs", "ArrowLeft", times=2)
+    moved = row(tab, "Body vertical")
+    assert query(tab) == {"model": "quarter", "ks": "20053", "cs": "1416.5"}
+    slider(tab, "cs").press("Control+z")
+    until(tab, "!location.search.includes('cs=')")
+    assert query(tab) == {"model": "quarter", "ks": "20053"}  # The moves of one slider are one step.
     tab.go_back()
-    tab.wait_for_function("location.search === ''")
-    assert slider(tab, "ks_front").get_attribute("aria-valuetext") == "18.55 kN/m"
+    until(tab, "!location.search.includes('ks=')")
+    assert slider(tab, "ks").get_attribute("aria-valuetext") == "18.55 kN/m"
     tab.locator("#redo").click()
-    tab.wait_for_function("location.search !== ''")
-    slider(tab, "ks_front").press("Control+Shift+Z")
-    tab.wait_for_function("location.search.includes('cs_rear')")
+    until(tab, "location.search.includes('ks=')")
+    slider(tab, "ks").press("Control+Shift+Z")
+    until(tab, "location.search.includes('cs=')")
     tab.wait_for_selector(IDLE)
-    assert row(tab, "Body vertical", "centre of gravity") == moved
+    assert row(tab, "Body vertical") == moved
     assert tab.locator("#redo").is_disabled()
 
 
 def test_pins_and_reload(tab):
-    tab.go()
+    tab.go("?model=quarter")
     for _ in range(4):
-        press(tab, "ks_front", "ArrowRight", times=2)
+        press(tab, "ks", "ArrowRight", times=2)
         tab.locator("#pin").click()
         tab.wait_for_selector(IDLE)
     assert tab.locator("#pin").is_disabled()
     press(tab, "speed", "ArrowRight", times=4)
     faster = ss.Road.iso8608("B", speed=22.0, tracks="isotropic")
-    pinned = [ss.ride_metrics(front(18553.0 + 1e3 * i), faster).bacc.sel(point="cg") for i in range(1, 5)]
-    now, change, *shown = row(tab, "Body vertical", "centre of gravity")
+    pinned = ss.ride_metrics(ss.QuarterCar(ks=18553.0 + 1e3 * np.arange(1, 5)), faster).bacc.values
+    now, change, *shown = row(tab, "Body vertical")
     assert all(map(near, shown, pinned))
     assert change == pytest.approx(100.0 * float(pinned[3] / pinned[0] - 1.0), abs=0.06)
     tab.reload()
     tab.wait_for_selector(IDLE)
-    assert row(tab, "Body vertical", "centre of gravity") == [now, change, *shown]
+    assert row(tab, "Body vertical") == [now, change, *shown]
     assert tab.locator("#undo").is_enabled()
     tab.get_by_role("button", name="Compare with D").click()
     tab.get_by_role("button", name="Unpin design B").click()
     tab.wait_for_selector(IDLE)
-    assert row(tab, "Body vertical", "centre of gravity") == [now, 0.0, shown[3], *shown[1:3]]
+    assert row(tab, "Body vertical") == [now, 0.0, shown[3], *shown[1:3]]
     tab.get_by_role("button", name="Go on from design B").click()
     tab.wait_for_selector(IDLE)
-    assert query(tab)["ks_front"] == "20553"
+    assert query(tab)["ks"] == "20553"
 
 
 def test_bad_urls(tab):
@@ -206,6 +218,8 @@ def test_bad_urls(tab):
     assert len(told) == 7
     assert near(row(tab, "Dynamic")[0], ss.ride_metrics(ss.QuarterCar(mu=50.4), ROAD).dtl / 1e3)
     assert state["vehicle"]["mu"] == 50.4
+    press(tab, "cs", "ArrowRight")
+    assert tab.locator("#errors").inner_text() == ""
     tab.go("?model=tank&pin=model%3Dquarter%26ks%3D1")
     assert "tank" in tab.locator("#errors").inner_text()
     assert "pin" in tab.locator("#errors").inner_text()
@@ -220,6 +234,17 @@ def test_bad_urls(tab):
     tab.wait_for_selector(IDLE)
     assert "ks_front" not in tab.locator("#errors").inner_text()
     assert query(tab)["ks_front"] == "20500"
+
+
+def test_a_system_has_what_there_is_of_it(browser):
+    system = Given(ss.LinearVehicle(ss.QuarterCar(ks=21e3).state_space()))
+    with serving(system) as address, visit(browser, address) as tab:
+        tab.go()
+        assert near(row(tab, "Body vertical")[0], ss.ride_metrics(ss.QuarterCar(ks=21e3), ROAD).bacc)
+        assert not tab.locator("#panel-modes").is_visible()
+        tab.get_by_label("Model").select_option("quarter")
+        tab.wait_for_selector("#modes figure")
+        assert tab.locator("#panel-modes").is_visible()
 
 
 def test_two_users_at_once(browser, address, tab):
@@ -260,12 +285,12 @@ def test_by_keyboard_and_by_ear(tab):
     tab.keyboard.press("PageUp")
     tab.wait_for_selector(IDLE)
     assert query(tab)["ks_rear"] > "18553"
-    tab.wait_for_function("document.getElementById('said').textContent.includes('%')")
+    until(tab, "document.getElementById('said').textContent.includes('%')")
     assert re.match(
         r"body vertical acceleration, centre of gravity [\d.]+ m/s², [+−][\d.]+", tab.locator("#said").inner_text()
     )
     tab.keyboard.press("Control+z")
-    tab.wait_for_function("!location.search.includes('ks_rear')")
+    until(tab, "!location.search.includes('ks_rear')")
 
 
 @pytest.mark.parametrize("model", ["full", "ride-handling"])
@@ -291,7 +316,7 @@ def test_cars_move_unless_less_motion_is_wanted(browser, address):
         tab.wait_for_timeout(150)
         assert tab.evaluate(place) == still
         tab.locator("#modes-tools .player").click()
-        tab.wait_for_function(f"{place} !== '{still}'")
+        until(tab, f"{place} !== '{still}'")
         assert tab.locator("#ride-tools .player").inner_text() == "Pause"
         tab.locator("#ride-tools .player").click()
         still = tab.evaluate(place)
@@ -310,12 +335,12 @@ def test_pictures_are_downloaded(tab):
         assert (width, height) == pytest.approx((2 * box["width"], 2 * box["height"]), abs=1.0)
 
 
-MOVES = """async ([count, between]) => {
+MOVES = """async ([count, together]) => {
     const slider = document.querySelector("input[name=ks]");
     for (let i = 0; i < count; i++) {
         slider.value = (7 * i) % 100;
         slider.dispatchEvent(new Event("input", { bubbles: true }));
-        await new Promise((done) => setTimeout(done, between));
+        if (i % together === 0) await new Promise((done) => setTimeout(done, 4));
     }
 }"""
 
@@ -350,7 +375,7 @@ def test_a_thousand_moves(tab):
     assert nodes < 50
     assert listeners <= 0
     assert tab.evaluate("most") <= 2  # One for what moves, one for the background of the carpet.
-    assert tab.evaluate("answers") > 20
+    assert tab.evaluate("answers") > 10
     ks = float(query(tab)["ks"])
     assert ks == pytest.approx(5053.0 + 500.0 * (7 * 999 % 100))
     assert near(row(tab, "Body vertical")[0], ss.ride_metrics(ss.QuarterCar(ks=ks), ROAD).bacc)

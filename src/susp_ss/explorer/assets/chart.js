@@ -152,8 +152,8 @@ explorer.Chart = class {
 
 // From values to pixels, with round ends that stay where they are while the values move a little.
 explorer.Scale = class {
-  constructor({ label, log = false, one = 1, span, decades = 4, every }, values, pixels) {
-    Object.assign(this, { label, log, one, pixels, every });
+  constructor({ label, log = false, one = 1, span, decades = 4, every, least = 0.01 }, values, pixels) {
+    Object.assign(this, { label, log, one, pixels, every, least });
     // A label needs more room beside than above another.
     this.most = Math.max(2, Math.floor(Math.abs(pixels[1] - pixels[0]) / (pixels[1] > pixels[0] ? 55 : 21)));
     this.ends = span ? span.map((value) => value / one) : this.around(values, decades);
@@ -196,8 +196,10 @@ explorer.Scale = class {
       return [Math.max(10 ** Math.floor(Math.log10(low)), top / 10 ** decades), top === low ? 10 * top : top];
     }
     if (low > 0 && low < 0.6 * high) low = 0;
-    // Rounding is no range.
-    const step = this.step(Math.max(high - low, 1e-3 * Math.max(Math.abs(low), Math.abs(high))) || 1);
+    // What hardly differs fills no range.
+    const more = this.least * Math.max(Math.abs(low), Math.abs(high)) - (high - low);
+    if (more > 0) [low, high] = [low - more / 2, high + more / 2];
+    const step = this.step(high - low || 1);
     const ends = [step * Math.floor(low / step + 1e-9), step * Math.ceil(high / step - 1e-9)];
     return ends[0] === ends[1] ? [ends[0] - step, ends[1] + step] : ends;
   }

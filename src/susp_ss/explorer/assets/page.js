@@ -7,16 +7,20 @@ explorer.page = (() => {
   const PATIENCE = 10000; // ms until an unanswered question is asked again.
   const QUIET = 500; // ms without a move until slow things are asked for and numbers are read out.
   const NAMES = ["A", "B", "C", "D"];
+  const NEEDS = { ride: "bump", carpet: "metrics" }; // Parts of the results by other names than their panels.
   const FAST = ["metrics", "comfort", "ride", "modes", "bode", "psd", "speeds", "carpet", "surrogates"];
 
   let here; // {state, pins} of the page.
-  let wrong = new Map(); // Messages by parameter.
-  let flight = null; // The question that is not answered yet: {key, ours}.
-  let now = { key: null, results: null };
+  let address = []; // What is wrong with the URL, until something moves.
+  const wrong = new Map(); // What else is, by its name.
+  let flight = null; // The question that is not answered yet: {state, key}, and of a pinned design its {pin}.
+  let now = { key: null, state: null, results: null };
+  let turn = false; // Whether the last question was of the design that moves.
   let background = { key: null, found: null }; // Of the carpet, which takes seconds.
   let slowFlight = null; // The conditions of the background on its way.
+  let timer = null;
   let quiet = null;
-  const answers = new Map(); // Results of pinned designs by the states' keys.
+  const answers = new Map(); // {key, results} of pinned designs.
   const waiting = new Set(); // Panels out of view whose picture is old.
   const seen = new Set();
 
@@ -46,13 +50,13 @@ explorer.page = (() => {
     const { state } = here;
     const key = keyOf(state);
     const old = references().find((one) => one.key !== key && answers.get(one.pin)?.key !== one.key);
-    const ours = now.key !== key && !(old && ask.turn);
-    ask.turn = ours;
+    const ours = now.key !== key && !(old && turn);
+    turn = ours;
     element("panels").setAttribute("aria-busy", Boolean(ours || old));
     if (!ours && !old) return;
-    flight = ours ? { key } : { key: old.key, pin: old.pin };
-    flight.timer = setTimeout(() => unanswered(), PATIENCE);
-    send("state", { ...(ours ? state : old.state) });
+    flight = ours ? { state, key } : old;
+    timer = setTimeout(unanswered, PATIENCE);
+    send("state", { ...flight.state });
   }
 
   function unanswered() {
@@ -63,13 +67,13 @@ explorer.page = (() => {
 
   function answered(results) {
     if (!results || !flight) return;
-    const { key, pin, timer } = flight;
+    const { state, key, pin } = flight;
     clearTimeout(timer);
     flight = null;
     wrong.delete("server");
     if (pin !== undefined) answers.set(pin, { key, results });
     else {
-      now = { key, results: results.metrics ? results : now.results };
+      now = { key, state, results };
       complain(results.errors);
     }
     try {
@@ -91,23 +95,15 @@ explorer.page = (() => {
     if (!now.results) return;
     const all = designs();
     for (const name of names) {
-      if (!seen.has(name)) waiting.add(name);
-      else {
-        waiting.delete(name);
-        show(name, all);
-      }
+      const found = now.results[NEEDS[name] ?? name];
+      element(name).hidden = !found; // It could not be computed; the line above the page says why.
+      element(`panel-${name}`).hidden = found?.length === 0; // There is no such thing.
+      waiting.delete(name);
+      if (!found || found.length === 0) continue;
+      if (seen.has(name)) (explorer.tables[name] ?? explorer.panels[name])(all, now.state, background.found);
+      else waiting.add(name);
     }
     document.dispatchEvent(new Event("drawn"));
-  }
-
-  // What could not be computed has no picture; the line above the page says why.
-  const NEEDS = { ride: "bump", carpet: "metrics" };
-  function show(name, all) {
-    const found = now.results[NEEDS[name] ?? name];
-    const nothing = !found || found.length === 0 || Object.keys(found.wheels ?? { any: 0 }).length === 0;
-    element(name).hidden = nothing;
-    if (!nothing) (explorer.tables[name] ?? explorer.panels[name])(all, here.state, background.found);
-    if (name === "surrogates") element("panel-surrogates").hidden = nothing;
   }
 
   // Moves
@@ -115,6 +111,7 @@ explorer.page = (() => {
   // ``name`` is of the slider that moves, so that its moves are one step; null is a step of its own.
   function move(name, next) {
     here = { ...here, ...next };
+    address = [];
     explorer.steps.move(name, explorer.state.write(here));
     shown();
   }
@@ -189,7 +186,8 @@ explorer.page = (() => {
   let said = [];
   function complain(errors = said) {
     said = errors;
-    const lines = [...new Set([...wrong.values(), ...said.map(({ message }) => message)])];
+    const messages = [...address, ...said].map(({ message }) => message);
+    const lines = [...new Set([...messages, ...wrong.values()])];
     if (element("errors").dataset.shown === lines.join("\n")) return;
     element("errors").dataset.shown = lines.join("\n");
     element("errors").replaceChildren(...lines.map((line) => html("li", {}, line)));
@@ -199,7 +197,7 @@ explorer.page = (() => {
   function settle() {
     askSlowly();
     if (!now.results?.metrics) return;
-    const [first, before] = designs().map(({ results }) => results?.metrics[0]);
+    const [first, before] = designs().map(({ results }) => results?.metrics?.[0]);
     const { one, unit } = explorer.words.metric(first.name, first.unit);
     const [number, change] = [
       explorer.numbers.brief(first.value / one),
@@ -211,7 +209,7 @@ explorer.page = (() => {
   function arrive() {
     const { errors, ...found } = explorer.state.read(location.search);
     here = found;
-    wrong = new Map(errors.map(({ parameter, message }) => [parameter, message]));
+    address = errors;
     shown();
   }
 
@@ -269,9 +267,9 @@ explorer.page = (() => {
     if (!answer.ok) return refuse("download", await answer.text());
     refuse("download", "");
     const name = answer.headers.get("Content-Disposition").match(/filename="(.*)"/)[1];
-    const address = URL.createObjectURL(await answer.blob());
-    explorer.save(address, name);
-    URL.revokeObjectURL(address);
+    const href = URL.createObjectURL(await answer.blob());
+    explorer.save(href, name);
+    URL.revokeObjectURL(href);
   }
 
   function player() {
@@ -312,7 +310,7 @@ explorer.page = (() => {
     draw(["carpet"]);
   }
 
-  return { start, answered, answeredSlowly, refuse, query: () => explorer.state.write(here) };
+  return { start, answered, answeredSlowly, refuse };
 })();
 
 window.dash_clientside = Object.assign(window.dash_clientside || {}, {

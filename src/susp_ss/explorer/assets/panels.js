@@ -48,7 +48,7 @@ explorer.panels = (() => {
       const names = results[part].map((one) => one.output);
       only(panel, names);
       results[part].forEach((one) =>
-        draw(designs, one, (found) => found[part].find(({ output: name }) => name === one.output)),
+        draw(designs, one, (found) => found[part]?.find(({ output: name }) => name === one.output)),
       );
     };
   }
@@ -115,8 +115,8 @@ explorer.panels = (() => {
         x: { label: "speed (m/s)", unit: "m/s", span: [found.speed[0], found.speed.at(-1)] },
         y: { label: `${title(name)} (${shown})`, one },
         lines: lines(designs, ({ speeds: of }) => ({
-          x: of.speed,
-          y: of.metrics.find((each) => each.name === name)?.values,
+          x: of?.speed,
+          y: of?.metrics.find((each) => each.name === name)?.values,
         })),
         at: state.road.speed,
         words: `${output(name)} over speed`,
@@ -130,8 +130,9 @@ explorer.panels = (() => {
       label: `${title(name)} (${metric(name).unit})`,
       unit: metric(name).unit,
       one: metric(name).one,
+      least: 0.2,
     });
-    const value = (results, name) => results.metrics.find((each) => each.name === name)?.value ?? null;
+    const value = (results, name) => results.metrics?.find((each) => each.name === name)?.value ?? null;
     const points = designs
       .filter(({ results }) => results)
       .map(({ name, style, results }) => ({
@@ -215,7 +216,7 @@ explorer.panels = (() => {
   }
 
   const EXAGGERATED = 3;
-  const SLOWED = 0.35;
+  const SLOWED = 0.25;
 
   function ride(designs, state) {
     const host = body("ride");
@@ -224,27 +225,14 @@ explorer.panels = (() => {
     const key = JSON.stringify([places, state.bump]);
     if (host.dataset.shown !== key) {
       host.dataset.shown = key;
-      host.car = new explorer.Car(places);
-      const [left, , width] = host.car.box();
-      host.road = svg("path", { class: "road" });
-      const box = [left - 0.6, -2.15, width + 1.2, 2.5];
-      host.picture = svg(
-        "svg",
-        { viewBox: box.join(" "), role: "img", class: "ride", "aria-label": "The car over the bump" },
-        host.road,
-        host.car.group,
-      );
-      host.ground = ground(state.bump, box, host.car);
-      const trace = host.querySelector(".chart") ?? html("div", { id: "chart-ride-trace", class: "chart small" });
-      host.replaceChildren(host.picture, trace);
-      charts.set("chart-ride-trace", charts.get("chart-ride-trace") ?? new explorer.Chart(trace));
+      set(host, places, state.bump);
     }
     const trace = chart("ride", "trace", "small");
     const { one, unit } = metric("bacc");
     trace.draw({
       x: { label: "time (s)", unit: "s", span: [bump.t[0], bump.t.at(-1)] },
       y: { label: `body acceleration (${unit})`, one },
-      lines: lines(designs, ({ bump: of }) => ({ x: of.t, y: of.acceleration })),
+      lines: lines(designs, ({ bump: of }) => ({ x: of?.t, y: of?.acceleration })),
       words: `Body acceleration over the bump, largest ${brief(Math.max(...bump.acceleration.map(Math.abs)))} ${unit}`,
     });
     explorer.motion.add(host, (time) => {
@@ -253,11 +241,25 @@ explorer.panels = (() => {
       const i = Math.min(last - 1, Math.floor((last * (t - bump.t[0])) / (bump.t[last] - bump.t[0])));
       const part = (t - bump.t[i]) / (bump.t[i + 1] - bump.t[i]);
       const now = (values, by = EXAGGERATED) => (values ? by * (values[i] + part * (values[i + 1] - values[i])) : 0);
+      trace.point(t);
+      if (!host.car) return;
       const wheels = Object.fromEntries(Object.entries(bump.wheels).map(([name, z]) => [name, now(z)]));
       host.car.move({ heave: now(bump.body.heave), pitch: now(bump.body.pitch), roll: now(bump.body.roll), wheels });
       host.road.setAttribute("d", host.ground(now(bump.x, 1), now(Object.values(bump.ground)[0])));
-      trace.point(t);
     });
+  }
+
+  // A car on a road; none for a system of which no wheel is known.
+  function set(host, places, bump) {
+    const stage = host.querySelector(".stage") ?? host.appendChild(html("div", { class: "stage" }));
+    host.car = Object.keys(places).length ? new explorer.Car(places) : null;
+    if (!host.car) return stage.replaceChildren();
+    const [left, , width] = host.car.box();
+    const box = [left - 0.6, -2.15, width + 1.2, 2.5];
+    const words = { role: "img", class: "ride", "aria-label": "The car over the bump" };
+    host.road = svg("path", { class: "road" });
+    host.ground = ground(bump, box, host.car);
+    stage.replaceChildren(svg("svg", { viewBox: box.join(" "), ...words }, host.road, host.car.group));
   }
 
   // The road in the frame of the car whose first axle is at x, the bump beginning at zero; from behind, its height.

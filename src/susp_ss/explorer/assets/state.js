@@ -196,5 +196,8 @@ explorer.steps = (() => {
     history.go(by);
   }
 
+  // Nobody who lets go of a slider waits for the URL.
+  for (const end of ["pointerup", "keyup"]) document.addEventListener(end, settle);
+
   return { move, arrived, go, back: () => at > 0, forward: () => at < last };
 })();

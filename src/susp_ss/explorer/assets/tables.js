@@ -112,18 +112,18 @@ explorer.tables = (() => {
   }
 
   function surrogates([{ results }]) {
-    const columns = ["", "predicted", "from", "to", "exact", "error", ""].map((text, i) => ({
-      text,
-      style: { 1: "now", 6: "text" }[i],
-    }));
-    const rows = results.surrogates.map(({ surrogate, output, unit, value, low, high, exact }) => {
+    const styles = { predicted: "now", error: "change" };
+    const columns = ["", "predicted", "exact", "error"].map((text) => ({ text, style: styles[text] }));
+    const rows = results.surrogates.map(({ surrogate, output, unit, value, low, high, exact, outside }) => {
       const { one, unit: shown } = metric(output, unit);
       const text = (some) => brief(some === null ? null : some / one);
-      const within = low === null ? "" : exact >= low && exact <= high ? "within" : "outside";
+      const met = exact >= low && exact <= high ? "met" : "missed";
+      const interval = low === null ? "" : `95 % between ${text(low)} and ${text(high)}, ${met}`;
       return {
-        group: surrogate,
-        name: `${explorer.words.output(output)} (${shown})`,
-        values: [text(value), text(low), text(high), text(exact), change(value, exact), within],
+        group: `${explorer.words.output(output)} (${shown})`,
+        name: surrogate,
+        values: [text(value), text(exact), change(value, exact)],
+        note: [interval, outside ? "outside its runs" : ""].filter(Boolean).join("; "),
       };
     });
     table("surrogates", "Surrogates", columns, rows);
