@@ -20,7 +20,7 @@ def states(draw, explorer=NOTHING, models=MODELS):
         if part is None or not draw(st.booleans()):
             continue
         if isinstance(row, Number):
-            part[row.key] = draw(st.floats(row.least, row.most))
+            part[row.key] = row.plain(draw(st.floats(row.least, row.most)))
             continue
         options = [option for option in row.options if state["seat"] or option not in row.seated]
         one = st.sampled_from(options)

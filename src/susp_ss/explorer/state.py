@@ -210,7 +210,7 @@ def _wrong(row: Number | Choice, value: Any) -> str:
 
 def _plain(row: Number | Choice, value: Any) -> Any:
     if isinstance(row, Number):
-        return float(value)
+        return row.plain(value)
     return [value] if row.several and isinstance(value, str) else list(dict.fromkeys(value)) if row.several else value
 
 

@@ -16,6 +16,9 @@ from ..vehicles.vehicle import Vehicle
 from .rows import output_names
 from .seat import DRIVER, seated, takes_seat
 
+TINY = 1e-6
+"""A share of a step: a relaxation length of 1e-20 m is none, and would only spoil digits."""
+
 
 class Number(NamedTuple):
     """A number that the page may set.
@@ -35,6 +38,10 @@ class Number(NamedTuple):
     step: float
     default: float
     logarithmic: bool = False
+
+    def plain(self, value: float) -> float:
+        """A value as a float; what is so little beside a step that it can only mean zero is zero."""
+        return 0.0 if abs(value) < TINY * self.step else float(value)
 
 
 class Choice(NamedTuple):
