@@ -7,12 +7,13 @@ import pytest
 
 import susp_ss as ss
 from susp_ss.explorer.background import FACTORS, background, conditions
+from susp_ss.explorer.beside import Beside
 from susp_ss.explorer.state import NOTHING, Given, from_query
 
 ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
 
 
-def found_for(text, given=NOTHING):
+def found_for(text, given=NOTHING, background=background):
     state, errors = from_query(text, given)
     assert errors == []
     found = background(state, given)
@@ -22,7 +23,9 @@ def found_for(text, given=NOTHING):
 
 @pytest.fixture(scope="module")
 def quarter():
-    return found_for("model=quarter&ks=30000&mu=50")
+    """As the server gets it, of a process beside its own."""
+    with Beside() as beside:
+        return found_for("model=quarter&ks=30000&mu=50", background=beside.background)
 
 
 def test_the_carpet_is_that_of_each_car(quarter):

@@ -169,6 +169,12 @@ def test_every_state_that_the_page_can_come_to_is_answered_in_json(state):
     assert found["errors"] or {"metrics", "comfort", "bode", "psd", "modes", "bump", "speeds"} <= {*found}
 
 
+def test_parameters_decades_apart_are_answered_or_refused_in_json():
+    found = compute(from_query("model=ride-handling&relaxation_rear=2.885797081925577e-95")[0])
+    json.dumps(found, allow_nan=False)
+    assert found["errors"]
+
+
 def test_what_is_infinite_is_none():
     found = compute(from_query("model=quarter&ct=100")[0])
     assert {row["name"]: row["value"] for row in found["metrics"]}["dtl"] is None

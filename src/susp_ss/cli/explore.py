@@ -45,17 +45,20 @@ def run(
     susp-ss explore --vehicle car.toml --surrogate fit/surrogate.json
     """
     from ..explorer.app import application
+    from ..explorer.beside import Beside
     from ..explorer.server import address, listening, serve
 
+    beside = Beside()
     with refusals():
-        app = application(_given(vehicle, system, road, surrogate or [], trust_units))
+        app = application(_given(vehicle, system, road, surrogate or [], trust_units), beside.background)
     try:
         server = listening(app, port)
     except (OSError, OverflowError) as error:
         said = getattr(error, "strerror", None) or str(error)
         raise Refusal(f"--port {port}: {said}; pass another, or 0 for one that is free") from error
     typer.echo(f"{address(server)} (Ctrl-C ends it)")
-    serve(server, browser=not no_browser)
+    with beside:
+        serve(server, browser=not no_browser)
 
 
 def _given(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from ..extras import needing
@@ -23,7 +24,7 @@ ICON = (
 )
 
 
-def application(given: Given = NOTHING) -> dash.Dash:
+def application(given: Given = NOTHING, slowly: Callable[[Any, Given], Any] | None = None) -> dash.Dash:
     """The page: what it holds is `layout`, what it shows is `compute`.
 
     Its stores are ``state``, which the page's scripts write, and ``results``, which is `compute` of it; ``conditions``,
@@ -33,6 +34,8 @@ def application(given: Given = NOTHING) -> dash.Dash:
     ----------
     given : Given
         What the explorer was started with.
+    slowly : callable, optional
+        Stands for `background`, such as that of `Beside`.
 
     Raises
     ------
@@ -60,7 +63,7 @@ def application(given: Given = NOTHING) -> dash.Dash:
 
     @app.callback(dash.Output("background", "data"), dash.Input("conditions", "data"), prevent_initial_call=True)
     def answer_slowly(conditions: Any) -> Any:
-        return background(conditions, given)
+        return (slowly or background)(conditions, given)
 
     guard(app.server, app.csp_hashes())
     return app

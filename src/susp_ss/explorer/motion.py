@@ -12,6 +12,7 @@ from ..roads.obstacles import obstacle
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.vehicle import Vehicle
+from .rows import finite
 from .seat import DRIVER
 
 BODY = {"z_b": "heave", "z_s": "heave", "theta": "pitch", "phi": "roll"}
@@ -42,6 +43,7 @@ def modes(vehicle: RoadVehicle) -> list[dict[str, Any]]:
         names = _names(
             np.abs(shapes) ** 2 * np.array([*vehicle.linkage().masses.values()]), [word for word, _ in motions.values()]
         )
+    finite(known[["frequency", "damping_ratio"]].to_numpy(float))
     return [
         {"name": name, "frequency": float(mode["frequency"]), "damping": float(mode["damping_ratio"])}
         | {"shape": _shape(dict(mode["shape"]), motions)}
@@ -98,10 +100,10 @@ def bump(vehicle: RoadVehicle, height: float, length: float, speed: float) -> di
         data = ride[name]
         places = data[dim].values.tolist() if dim in data.dims else [""]
         rows = data.values[..., shown].reshape(len(places), -1)
-        return dict(zip(places, rows.tolist(), strict=True))
+        return dict(zip(places, finite(rows), strict=True))
 
     heave = next(iter(at("z_s", "point").values()), None)
-    body = {"heave": heave} | {name: ride[name].values[shown].tolist() for name in ("pitch", "roll") if name in ride}
+    body = {"heave": heave} | {name: finite(ride[name].values[shown]) for name in ("pitch", "roll") if name in ride}
     return {
         "t": (ride.time.values[shown] - BEFORE).tolist(),
         "x": (ride.x.values[shown] - BEFORE * speed).tolist(),

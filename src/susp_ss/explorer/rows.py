@@ -71,6 +71,21 @@ def named(place: str) -> str:
     return PLACES.get(place, place)
 
 
+def finite(values: NDArray[Any]) -> Any:
+    """Numbers of a picture as lists.
+
+    Raises
+    ------
+    ValueError
+        Not all are finite: parameters lie too many decades apart.
+    """
+    if not np.isfinite(values).all():
+        raise ValueError(
+            "parameters lie too many decades apart for finite responses; pass zero where one nearly vanishes"
+        )
+    return values.tolist()
+
+
 def number(value: Any) -> float | None:
     """A number that JSON can hold; None is infinite."""
     return float(value) if math.isfinite(value) else None

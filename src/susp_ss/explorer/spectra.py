@@ -14,7 +14,7 @@ from ..quantities import metric_and_place, per_input, signal, unit_of
 from ..responses.frequency import frequency_response, psd
 from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
-from .rows import existing
+from .rows import existing, finite
 
 Array = NDArray[np.float64]
 
@@ -41,8 +41,8 @@ def bode(vehicle: RoadVehicle, outputs: Sequence[str], frequency: Array) -> list
                 "output": output,
                 "unit": f"{unit_of(name) or 1}/{per_input(given)}",
                 "input": given,
-                "magnitude": np.abs(H).tolist(),
-                "phase": np.degrees(np.unwrap(np.angle(H))).tolist(),
+                "magnitude": finite(np.abs(H)),
+                "phase": finite(np.degrees(np.unwrap(np.angle(H)))),
             }
         )
     return curves
@@ -61,9 +61,9 @@ def spectra(vehicle: RoadVehicle, road: Road, outputs: Sequence[str], frequency:
             {
                 "output": output,
                 "unit": f"({unit_of(name) or 1})^2/Hz",
-                "psd": S.tolist(),
+                "psd": finite(S),
                 "weighting": None if axis is None else axis.weighting,
-                "weighted": None if felt is None else felt.tolist(),
+                "weighted": None if felt is None else finite(felt),
             }
         )
     return curves
