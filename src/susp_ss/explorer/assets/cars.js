@@ -151,6 +151,7 @@ explorer.motion = (() => {
     run();
   });
   let playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+  const BETWEEN = 38; // ms between two pictures, some 24 a second: sliders need the rest.
   let [time, before, frame] = [0, null, null];
 
   function add(element, draw) {
@@ -168,9 +169,12 @@ explorer.motion = (() => {
 
   function step(now) {
     frame = null;
-    time += before === null ? 0 : Math.min(0.1, (now - before) / 1000);
-    before = now;
-    for (const element of seen) parts.get(element)(time);
+    before ??= now;
+    if (now - before >= BETWEEN) {
+      time += Math.min(0.1, (now - before) / 1000);
+      before = now;
+      for (const element of seen) parts.get(element)(time);
+    }
     if (playing && seen.size) frame = requestAnimationFrame(step);
   }
 
