@@ -66,12 +66,17 @@ def listening(app: Any, port: int) -> Any:
     OSError, OverflowError
         The port is taken, or none.
     """
-    from werkzeug.serving import make_server
+    from werkzeug.serving import WSGIRequestHandler, make_server
+
+    class Handler(WSGIRequestHandler):
+        """Keeps a connection open: a slider asks many times a second."""
+
+        protocol_version = "HTTP/1.1"
 
     logging.getLogger("werkzeug").setLevel(logging.ERROR)
     # Left to itself, werkzeug would print and exit where the port is taken.
     with socket.create_server((HOST, port)) as taken:
-        return make_server(HOST, port, app.server, threaded=True, fd=taken.fileno())
+        return make_server(HOST, port, app.server, threaded=True, request_handler=Handler, fd=taken.fileno())
 
 
 def address(server: Any) -> str:
