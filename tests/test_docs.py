@@ -31,7 +31,7 @@ def test_every_public_name_has_a_page():
 
 
 def test_the_drawing_has_the_rooms_in_their_order():
-    rooms = re.findall(r'class="room" x="\d+" y="(\d+)">(\w+)<', text("architecture.svg"))
+    rooms = re.findall(r'class="room" x="\d+" y="(-?\d+)">(\w+)<', text("architecture.svg"))
     height = {name: -int(y) for y, name in rooms}
     folders = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
     assert folders <= set(height) <= set(ROOMS)
