@@ -21,7 +21,7 @@ from .table import Number
 FACTORS = np.geomspace(0.5, 2.0, 7)
 """Of all springs and all dampers of the carpet, about the model's own."""
 
-POINTS = 5
+POINTS = 9
 """Of the front."""
 
 DESIGN = ("springs", "dampers")
