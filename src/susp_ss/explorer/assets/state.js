@@ -68,7 +68,10 @@ explorer.state = (() => {
     }
     const state = usual(model);
     const known = new Map(rows(model).map((row) => [row.name, row]));
-    const pins = query.getAll("pin").slice(0, explorer.state.PINS);
+    const { PINS } = explorer.state;
+    const given = query.getAll("pin");
+    const pins = given.slice(0, PINS);
+    if (given.length > PINS) errors.push(error("pin", `pin must be at most ${PINS} designs, got ${given.length}`));
     for (const [name, word] of query) {
       if (name === "model" || name === "pin") continue;
       const row = known.get(name);
@@ -137,6 +140,7 @@ explorer.state = (() => {
     begin,
     write,
     read,
+    number,
     wrong,
     design,
     pinned,
