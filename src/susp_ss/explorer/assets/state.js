@@ -119,9 +119,7 @@ explorer.state = (() => {
 
   // Without its springs and dampers: what the background of the carpet hangs on.
   function unsprung(state) {
-    const own = rows(state.model).filter(
-      ({ table, group }) => table === "vehicle" && ["springs", "dampers"].includes(group),
-    );
+    const own = rows(state.model).filter((row) => row.table === "vehicle" && table.design.includes(row.group));
     const vehicle = Object.entries(state.vehicle).filter(([name]) => !own.some(({ key }) => key === name));
     return { ...state, vehicle: Object.fromEntries(vehicle) };
   }
