@@ -45,6 +45,12 @@ def test_no_design_of_the_carpet_beats_the_front(quarter):
     assert carpet[:, 1].min() >= front[:, 1].min() * (1.0 - 1e-6)
 
 
+def test_the_front_is_a_line_that_no_design_lies_clearly_below(quarter):
+    x, y = np.array(quarter["carpet"]["designs"]).reshape(-1, 2).T
+    ends = np.array(sorted(quarter["front"]["points"]))
+    assert np.all(y > 0.97 * np.interp(x, *ends.T))
+
+
 def test_designs_of_the_front_have_its_metrics(quarter):
     for (x, y), design in zip(quarter["front"]["points"], quarter["front"]["designs"], strict=True):
         own = ss.ride_metrics(ss.QuarterCar(mu=50.0, **design), ROAD)

@@ -158,6 +158,8 @@ def test_curves_seats_and_other_models(tab):
     tab.locator("input[name=seat]").check()
     tab.wait_for_selector(IDLE)
     assert row(tab, "Body vertical", "driver")[0] > 0.0
+    modes = tab.locator("#modes figcaption").all_inner_texts()
+    assert all(("%" in mode) != mode.startswith("seat") for mode in modes)  # The design to compare with has none.
 
 
 def test_undo_redo_and_back(tab):
@@ -224,16 +226,22 @@ def test_bad_urls(tab):
     assert "tank" in tab.locator("#errors").inner_text()
     assert "pin" in tab.locator("#errors").inner_text()
     field = tab.get_by_label("Spring stiffness K_s, front in kN/m")
-    for text in ("abc", "-2", "1e9", "nan"):
+    for text in ("", "abc", "-2", "1e9", "nan"):
         field.fill(text)
         field.press("Enter")
         assert field.get_attribute("aria-invalid") == "true"
-        assert "ks_front must be a number from" in tab.locator("#errors").inner_text()
+        assert "ks_front must be a number from 5.053 to 74.553 kN/m, got" in tab.locator("#errors").inner_text()
     field.fill("20.5")
     field.press("Enter")
     tab.wait_for_selector(IDLE)
     assert "ks_front" not in tab.locator("#errors").inner_text()
     assert query(tab)["ks_front"] == "20500"
+    tab.go(f"?{'&'.join(['pin=ks_front%3D20000'] * 5)}")
+    assert tab.locator("#errors").inner_text() == "pin must be at most 4 designs, got 5"
+    assert tab.locator("#pins li").count() == 4
+    assert tab.evaluate(
+        "document.querySelector('#metrics').scrollWidth <= document.querySelector('#metrics').clientWidth"
+    )
 
 
 def test_a_system_has_what_there_is_of_it(browser):

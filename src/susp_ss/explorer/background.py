@@ -16,16 +16,13 @@ from ..vehicles.vehicle import joined
 from .compute import Found, Scene
 from .rows import at_places, existing, output_names
 from .state import NOTHING, Given
-from .table import Number
+from .table import DESIGN, Number
 
 FACTORS = np.geomspace(0.5, 2.0, 7)
 """Of all springs and all dampers of the carpet, about the model's own."""
 
-POINTS = 5
+POINTS = 9
 """Of the front."""
-
-DESIGN = ("springs", "dampers")
-"""Groups of the vehicle's table that are the design; all else is the conditions that it meets."""
 
 
 def conditions(state: dict[str, Any], given: Given = NOTHING) -> dict[str, Any]:

@@ -29,7 +29,7 @@ from ..vehicles.full import FullCar
 from ..vehicles.second_order import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion
-from .background import DESIGN, FACTORS, background, conditions
+from .background import FACTORS, background, conditions
 from .compute import SPEEDS
 from .motion import motion_of
 from .rows import at_places, existing, named
@@ -37,7 +37,7 @@ from .seat import seated
 from .spectra import FREQUENCIES
 from .state import NOTHING
 from .symbols import Lines
-from .table import Choice, Number
+from .table import DESIGN, Choice, Number
 
 MODELS = ("full", "quarter", "pitch-half", "roll-half")
 """Models that the engine knows: rigid bodies on wheels, for which speed is the road's alone."""

@@ -29,9 +29,9 @@ PANELS = {
     "speeds": ("Over speed", "Metrics at other speeds on the same road."),
     "carpet": (
         "Carpet",
-        "Grey: all springs by all dampers, halved to doubled. Black: the Pareto front. Dotted: the best of any law.",
+        "Grey: all springs by all dampers, halved to doubled. Solid: the Pareto front. Dotted: the best of any law.",
     ),
-    "surrogates": ("Surrogates", "What each fitted surrogate predicts, its interval, and the exact value."),
+    "surrogates": ("Surrogates", "What each predicts of its expensive model, its interval, and what this vehicle has."),
 }
 """For each panel its title and what it shows."""
 

@@ -16,7 +16,7 @@ from ..quantities import briefly, signal
 from ..roads.road import CLASSES, DEFAULT_ROAD, Road
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.files import model_named
-from .table import Choice, Number, rows
+from .table import DESIGN, Choice, Number, rows
 
 MODELS = ("full", "quarter", "pitch-half", "roll-half", "ride-handling")
 """Models that the page offers beside the one of a file, the first to begin with."""
@@ -76,6 +76,7 @@ class Given:
                 for name, table in self.tables.items()
             },
             "optional": list(OPTIONAL),
+            "design": list(DESIGN),
             "classes": CLASSES,
         }
 

@@ -69,6 +69,9 @@ GROUPS = {
 }
 """Parameters of vehicles by what people look for; all others are of the steering and its tyres."""
 
+DESIGN = ("springs", "dampers")
+"""Groups that are the design of the carpet and its front; all else is the conditions that it meets."""
+
 # How far a slider goes from the vehicle's own value, as factors of it.
 REACH = {"ks": (0.25, 4.0), "cs": (0.1, 5.0), **dict.fromkeys(("a", "b", "c", "radius"), (0.6, 1.6))}
 USUAL_REACH = (0.4, 2.5)

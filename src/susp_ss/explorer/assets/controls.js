@@ -60,12 +60,11 @@ explorer.controls = (() => {
     return html(
       "details",
       { open: OPEN.includes(name) },
-      html("summary", {}, name === "frequency" ? "Outputs" : sentence(name)),
+      html("summary", {}, name === "frequency" ? "Outputs" : explorer.words.sentence(name)),
       ...parts,
     );
   }
 
-  const sentence = (text) => text[0].toUpperCase() + text.slice(1);
   const WORDS = { curve: "Curve in place of the rate", seat: "Driver on a seat" };
 
   function optional(table, controls) {
@@ -86,7 +85,8 @@ explorer.controls = (() => {
     const select = html("select", { name: row.name }, ...options);
     select.addEventListener("change", () => changed(row, select.value));
     show.push((state) => (select.value = explorer.state.get(state, row)));
-    return html("label", { class: "choice" }, html("span", {}, ...explorer.words.symbols(sentence(row.label))), select);
+    const caption = explorer.words.symbols(explorer.words.sentence(row.label));
+    return html("label", { class: "choice" }, html("span", {}, ...caption), select);
   }
 
   function boxes(row) {
@@ -100,12 +100,14 @@ explorer.controls = (() => {
       for (const box of each) box.checked = value.includes(box.value);
     });
     const labels = each.map((box) => html("label", {}, box, explorer.words.output(box.value)));
-    return html("fieldset", { class: "boxes" }, html("legend", {}, sentence(row.label)), ...labels);
+    return html("fieldset", { class: "boxes" }, html("legend", {}, explorer.words.sentence(row.label)), ...labels);
   }
 
   // A slider moves in steps, or in ratios; the field beside it takes any number of the range in the unit shown.
   function slider(row) {
     const { one, unit } = explorer.words.shown(row);
+    const [least, most] = [row.least, row.most].map((value) => Number((value / one).toPrecision(12)));
+    const typable = { ...row, unit, least, most };
     const steps = Math.round((row.most - row.least) / row.step);
     const [along, back] = row.logarithmic
       ? [
@@ -119,7 +121,7 @@ explorer.controls = (() => {
       ...(row.logarithmic ? { min: 0, max: 1, step: 0.005 } : { min: 0, max: steps, step: 1 }),
     });
     const field = html("input", { type: "text", inputmode: "decimal", autocomplete: "off", spellcheck: "false" });
-    const caption = sentence(row.label);
+    const caption = explorer.words.sentence(row.label);
     range.setAttribute("aria-label", caption);
     field.setAttribute("aria-label", unit ? `${caption} in ${unit}` : caption);
     const digits = row.logarithmic
@@ -133,11 +135,11 @@ explorer.controls = (() => {
       changed(row, row.logarithmic ? Number(back(range.valueAsNumber).toPrecision(3)) : back(range.valueAsNumber)),
     );
     field.addEventListener("change", () => {
-      const value = Number(field.value.replace(",", ".").replace("\u2212", "-")) * one;
-      const what = field.value.trim() ? explorer.state.wrong(row, value) : explorer.state.wrong(row, field.value);
+      const typed = explorer.state.number(field.value.replace(",", ".").replace("\u2212", "-"));
+      const what = explorer.state.wrong(typable, typed);
       field.setAttribute("aria-invalid", Boolean(what));
       explorer.page.refuse(row.name, what);
-      if (!what) changed(row, Number(value.toPrecision(12)));
+      if (!what) changed(row, Number((typed * one).toPrecision(12)));
     });
     show.push((state) => {
       const value = explorer.state.get(state, row);

@@ -81,5 +81,8 @@ explorer.words = (() => {
     return known().quantities[split(name)[0]] ?? { unit: unit.replace("^2", "²").replace("^3", "³"), one: 1 };
   }
 
-  return { model: null, output, placed, title, symbols, shown, metric };
+  const sentence = (text) => text[0].toUpperCase() + text.slice(1);
+  const within = (text, unit) => (unit ? `${text} (${unit})` : text);
+
+  return { model: null, output, placed, title, symbols, shown, metric, sentence, within };
 })();

@@ -5,7 +5,7 @@ window.explorer = window.explorer || {};
 explorer.panels = (() => {
   const { html, svg } = explorer;
   const { brief, change } = explorer.numbers;
-  const { output, title, metric } = explorer.words;
+  const { output, title, metric, within } = explorer.words;
 
   const body = (name) => document.getElementById(name);
   const charts = new Map();
@@ -61,7 +61,7 @@ explorer.panels = (() => {
     const peak = frequency[one.magnitude.indexOf(Math.max(...one.magnitude))];
     chart("bode", one.output).draw({
       x,
-      y: { label: `${title(one.output)} (${shown} per m)`, log: true, one: unit, decades: 4 },
+      y: { label: `${title(one.output)} (${shown || 1} per m)`, log: true, one: unit, decades: 4 },
       lines: of("magnitude"),
       words: `${output(one.output)} per metre of road over frequency, largest at ${brief(peak)} Hz`,
     });
@@ -96,7 +96,7 @@ explorer.panels = (() => {
     });
   });
 
-  const square = (unit) => (/^\w+$/.test(unit) ? `${unit}²` : `(${unit})²`);
+  const square = (unit) => (unit ? (/^\w+$/.test(unit) ? `${unit}²` : `(${unit})²`) : 1);
 
   // Over speed, what is shown over frequency and the first of each metric of the study.
   function speeds(designs, state) {
@@ -113,7 +113,7 @@ explorer.panels = (() => {
       const { one, unit: shown } = metric(name, unit);
       chart("speeds", name, "small").draw({
         x: { label: "speed (m/s)", unit: "m/s", span: [found.speed[0], found.speed.at(-1)] },
-        y: { label: `${title(name)} (${shown})`, one },
+        y: { label: within(title(name), shown), one },
         lines: lines(designs, ({ speeds: of }) => ({
           x: of?.speed,
           y: of?.metrics.find((each) => each.name === name)?.values,
@@ -127,7 +127,7 @@ explorer.panels = (() => {
   function carpet(designs, state, background) {
     const [x, y] = [state.carpet.x, state.carpet.y];
     const axis = (name) => ({
-      label: `${title(name)} (${metric(name).unit})`,
+      label: within(title(name), metric(name).unit),
       unit: metric(name).unit,
       one: metric(name).one,
       least: 0.2,
@@ -168,6 +168,12 @@ explorer.panels = (() => {
 
   const placesOf = (wheels, state) => explorer.Car.places(Object.keys(wheels), state.vehicle);
 
+  // Modes by their name and how many of that name are slower: another car may have others between them.
+  function byName(modes) {
+    const rank = (mode, i) => modes.slice(0, i).filter(({ name }) => name === mode.name).length;
+    return new Map(modes.map((mode, i) => [`${mode.name} ${rank(mode, i)}`, mode]));
+  }
+
   function modes([{ results }, reference], state) {
     const host = body("modes");
     const places = placesOf(results.modes[0].shape.wheels, state);
@@ -182,9 +188,10 @@ explorer.panels = (() => {
       });
       host.replaceChildren(...host.cars.map(({ picture }) => picture.parentNode));
     }
-    results.modes.forEach((mode, i) => {
+    const others = byName(reference.results?.modes ?? []);
+    [...byName(results.modes)].forEach(([name, mode], i) => {
       const { words, picture } = host.cars[i];
-      const before = reference?.results?.modes?.[i];
+      const before = others.get(name);
       const moved = before ? change(mode.frequency, before.frequency) : "";
       words.replaceChildren(
         html("b", {}, mode.name ?? ""),

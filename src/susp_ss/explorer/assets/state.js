@@ -68,7 +68,10 @@ explorer.state = (() => {
     }
     const state = usual(model);
     const known = new Map(rows(model).map((row) => [row.name, row]));
-    const pins = query.getAll("pin").slice(0, explorer.state.PINS);
+    const { PINS } = explorer.state;
+    const given = query.getAll("pin");
+    const pins = given.slice(0, PINS);
+    if (given.length > PINS) errors.push(error("pin", `pin must be at most ${PINS} designs, got ${given.length}`));
     for (const [name, word] of query) {
       if (name === "model" || name === "pin") continue;
       const row = known.get(name);
@@ -116,9 +119,7 @@ explorer.state = (() => {
 
   // Without its springs and dampers: what the background of the carpet hangs on.
   function unsprung(state) {
-    const own = rows(state.model).filter(
-      ({ table, group }) => table === "vehicle" && ["springs", "dampers"].includes(group),
-    );
+    const own = rows(state.model).filter((row) => row.table === "vehicle" && table.design.includes(row.group));
     const vehicle = Object.entries(state.vehicle).filter(([name]) => !own.some(({ key }) => key === name));
     return { ...state, vehicle: Object.fromEntries(vehicle) };
   }
@@ -137,6 +138,7 @@ explorer.state = (() => {
     begin,
     write,
     read,
+    number,
     wrong,
     design,
     pinned,

@@ -5,7 +5,7 @@ window.explorer = window.explorer || {};
 explorer.tables = (() => {
   const { html } = explorer;
   const { brief, change } = explorer.numbers;
-  const { metric } = explorer.words;
+  const { metric, sentence, within } = explorer.words;
   const body = (name) => document.getElementById(name);
   const cells = new Map(); // For each table, the cells to fill by row and column.
 
@@ -84,7 +84,7 @@ explorer.tables = (() => {
       const { one, unit: shown } = metric(name, unit);
       const text = (some) => brief(some === null || some === undefined ? null : some / one);
       const meaning = explorer.table.words.quantities[quantity]?.meaning ?? label;
-      const titled = `${meaning[0].toUpperCase()}${meaning.slice(1)} (${shown})`;
+      const titled = sentence(within(meaning, shown));
       return {
         ...(place ? { group: titled, name: explorer.words.placed(place) } : { alone: true, name: titled }),
         values: [text(value), changed(value, found[0].get(name)), ...found.map((some) => text(some.get(name)))],
@@ -112,15 +112,15 @@ explorer.tables = (() => {
   }
 
   function surrogates([{ results }]) {
-    const styles = { predicted: "now", error: "change" };
-    const columns = ["", "predicted", "exact", "error"].map((text) => ({ text, style: styles[text] }));
+    const styles = { predicted: "now", "vs exact": "change" };
+    const columns = ["", "predicted", "exact", "vs exact"].map((text) => ({ text, style: styles[text] }));
     const rows = results.surrogates.map(({ surrogate, output, unit, value, low, high, exact, outside }) => {
       const { one, unit: shown } = metric(output, unit);
-      const text = (some) => brief(some === null ? null : some / one);
-      const met = exact >= low && exact <= high ? "met" : "missed";
-      const interval = low === null ? "" : `95 % between ${text(low)} and ${text(high)}, ${met}`;
+      const text = (some, digits) => brief(some === null ? null : some / one, digits);
+      const where = exact >= low && exact <= high ? "within" : "outside";
+      const interval = low === null ? "" : `95 % between ${text(low, 4)} and ${text(high, 4)}, exact ${where}`;
       return {
-        group: `${explorer.words.output(output)} (${shown})`,
+        group: sentence(within(explorer.words.output(output), shown)),
         name: surrogate,
         values: [text(value), text(exact), change(value, exact)],
         note: [interval, outside ? "outside its runs" : ""].filter(Boolean).join("; "),

@@ -98,7 +98,8 @@ function background(state) {
   }));
   const names = { x: bare.measured[x].name, y: bare.measured[y].name };
   if (!designs.flat(2).every(Number.isFinite)) {
-    return { errors: [{ parameter: "", message: `a carpet of ${names.x} and ${names.y} is infinite on this road` }] };
+    const message = `no carpet of ${names.x} and ${names.y}, which are infinite on this road`;
+    return { errors: [{ parameter: "", message }] };
   }
   return { carpet: { ...names, ks: FACTORS, cs: FACTORS, designs }, ...bestOf(state) };
 }
