@@ -73,9 +73,9 @@ def background(state: Any, given: Given = NOTHING) -> Found:
     True
     """
     field = Field(state, given)
-    found = Found()
-    for part in (carpet, front, bound):
-        found |= field.attempt(part) or {}
+    found = (field.attempt(carpet) or {}) | (field.attempt(front) or {})
+    if "front" in found:
+        found |= field.attempt(bound) or {}
     return found | {"errors": field.errors}
 
 
@@ -131,8 +131,6 @@ def front(field: Field) -> Found:
 
 def bound(field: Field) -> Found:
     """What no suspension beats, at the same limits as the best designs."""
-    if not front(field):
-        return {}
     least = bounds(field.straight, field.road, field.axes[::-1], field.best.metrics)
     met = np.isfinite(least)
     return {"bound": {"points": np.stack([field.points[met, 0], least[met]], axis=1).tolist()}}

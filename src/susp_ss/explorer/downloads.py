@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..exchange import export
-from ..responses.covariance import linearised
 from ..vehicles.files import in_file, vehicle_text
 from ..vehicles.vehicle import Vehicle
-from .compute import compute
-from .design import road_of, vehicle_of
+from .compute import Scene, compute
+from .design import vehicle_of
 from .lines import lines
 from .state import NOTHING, Given, from_query
 
@@ -49,8 +48,7 @@ def _vehicle(state: Mapping[str, Any], given: Given) -> bytes:
 
 
 def _fmu(state: Mapping[str, Any], given: Given) -> bytes:
-    vehicle = vehicle_of(state, given)
-    straight = linearised(vehicle, road_of(state, given)) if vehicle.curved else vehicle
+    straight = Scene(state, given).straight
     with tempfile.TemporaryDirectory() as folder:
         return export(straight, Path(folder, FILES["fmu"].name)).read_bytes()
 

@@ -19,7 +19,7 @@ from scipy.special import gamma
 from ..metrics.comfort import AXES, REACTIONS
 from ..metrics.ride import ride_metrics
 from ..metrics.weightings import filter_of
-from ..quantities import metric_and_place, per_input, signal, unit_of
+from ..quantities import metric_and_place, signal
 from ..responses.excitation import integrated, processes
 from ..responses.positions import form_with_positions, with_positions
 from ..roads.colours import COINCIDENT, colours
@@ -32,9 +32,9 @@ from . import motion
 from .background import FACTORS, background, conditions
 from .compute import SPEEDS
 from .motion import motion_of
-from .rows import at_places, existing, named
+from .rows import at_places, named
 from .seat import seated
-from .spectra import FREQUENCIES
+from .spectra import FREQUENCIES, own_name, response_unit, spectrum_unit, under
 from .state import NOTHING
 from .symbols import Lines
 from .table import DESIGN, Choice, Number
@@ -155,14 +155,12 @@ def described(vehicle: Vehicle, asked: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _output(name: str, layout: Any, public: Any) -> dict[str, Any]:
-    own = existing(name.replace("@", "_"), public, "_")
-    wheel = signal("z_r", name.partition("@")[2])
-    given = wheel if wheel in layout.inputs else layout.inputs[0]
-    axis, unit = AXES.get(metric_and_place(own)[0]), unit_of(own) or "1"
+    own, given = own_name(name, public), under(name, layout.inputs)
+    axis = AXES.get(metric_and_place(own)[0])
     return {
         "row": layout.outputs.names.index(own),
         "input": layout.inputs.index(given),
-        "unit": {"bode": f"{unit}/{per_input(given)}", "psd": f"({unit})^2/Hz"},
+        "unit": {"bode": response_unit(own, given), "psd": spectrum_unit(own)},
         "weighting": axis and axis.weighting,
     }
 

@@ -33,12 +33,11 @@ def modes(vehicle: RoadVehicle) -> list[dict[str, Any]]:
     if not isinstance(vehicle, Vehicle):
         return []
     motions = {name: motion_of(vehicle, name) for name in vehicle.layout().coordinates}
+    known = vehicle.modes()
     if isinstance(vehicle, RideHandlingCar):
-        known = vehicle.modes()
         known = known[[name in {word for word, _ in motions.values()} for name in known["name"]]]
         names = list(known["name"])
     else:
-        known = vehicle.modes()
         shapes = np.array([shape.to_numpy() for shape in known["shape"]])
         names = _names(
             np.abs(shapes) ** 2 * np.array([*vehicle.linkage().masses.values()]), [word for word, _ in motions.values()]

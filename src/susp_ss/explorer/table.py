@@ -163,8 +163,8 @@ def _vehicle(car: RoadVehicle) -> Iterator[Number]:
 
 def _stem(name: str) -> str:
     """``seat_ks`` of ``seat_ks_driver``."""
-    known = [stem for stem in (*(f"seat_{of}" for of in Seat.quantities()),) if name.startswith(stem)]
-    return max(known, key=len, default=name)
+    known = (f"seat_{of}" for of in Seat.quantities())
+    return max((stem for stem in known if name.startswith(stem)), key=len, default=name)
 
 
 def _places(car: Vehicle, name: str) -> list[tuple[str, float]]:

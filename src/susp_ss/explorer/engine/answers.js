@@ -79,8 +79,8 @@ function bestOf(state) {
   const best = BEST[state.model];
   if (!best || !agrees(best.conditions, state)) return { errors: [{ parameter: "", message: WORDS.background }] };
   const by = Math.sqrt(state.road.roughness / best.roughness);
-  const scaled = (points) => ({ points: points.map((point) => point.map((value) => value * by)) });
-  return { front: scaled(best.front), bound: scaled(best.bound), errors: [] };
+  const grown = (points) => ({ points: points.map((point) => point.map((value) => value * by)) });
+  return { front: grown(best.front), bound: grown(best.bound), errors: [] };
 }
 
 // Two metrics for every combination of springs and dampers about the model's own, as susp_ss.explorer.background says.
@@ -92,8 +92,8 @@ function background(state) {
   const [x, y] = [named(state.carpet.x), named(state.carpet.y)];
   const designs = FACTORS.map((ks) => FACTORS.map((cs) => {
     const by = { springs: ks, dampers: cs };
-    const scaled = Object.fromEntries(own.map(({ key, group, value }) => [key, value * by[group]]));
-    const found = carOf({ ...state, vehicle: { ...state.vehicle, ...scaled } }).metrics(road);
+    const moved = Object.fromEntries(own.map(({ key, group, value }) => [key, value * by[group]]));
+    const found = carOf({ ...state, vehicle: { ...state.vehicle, ...moved } }).metrics(road);
     return [found[x], found[y]];
   }));
   const names = { x: bare.measured[x].name, y: bare.measured[y].name };
