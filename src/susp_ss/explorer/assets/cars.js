@@ -151,31 +151,29 @@ explorer.motion = (() => {
     run();
   });
   let playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
-  const BETWEEN = 38; // ms between two pictures, some 24 a second: sliders need the rest.
-  let [time, before, frame] = [0, null, null];
+  const BETWEEN = 38; // ms from a picture until the next is asked for, some 20 a second: sliders need the rest.
+  let [time, before, waiting] = [0, 0, false];
 
   function add(element, draw) {
     if (!parts.has(element)) watch.observe(element);
     parts.set(element, draw);
-    draw(time);
+    if (!playing || !seen.has(element)) draw(time); // Else its next picture is near.
   }
 
+  // Frames are asked for only as they are needed: each costs the browser more than the drawing of a car.
   function run() {
-    if (playing && seen.size && frame === null) {
-      before = null;
-      frame = requestAnimationFrame(step);
-    }
+    if (waiting || !playing || !seen.size) return;
+    waiting = true;
+    setTimeout(() => requestAnimationFrame(step), BETWEEN);
   }
 
   function step(now) {
-    frame = null;
-    before ??= now;
-    if (now - before >= BETWEEN) {
-      time += Math.min(0.1, (now - before) / 1000);
-      before = now;
-      for (const element of seen) parts.get(element)(time);
-    }
-    if (playing && seen.size) frame = requestAnimationFrame(step);
+    waiting = false;
+    if (!playing) return;
+    time += Math.min(0.1, (now - before) / 1000);
+    before = now;
+    for (const element of seen) parts.get(element)(time);
+    run();
   }
 
   function play(wanted) {
