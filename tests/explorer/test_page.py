@@ -343,6 +343,20 @@ def test_pictures_are_downloaded(tab):
         assert (width, height) == pytest.approx((2 * box["width"], 2 * box["height"]), abs=1.0)
 
 
+def test_what_is_not_answered_is_asked_again(browser, address):
+    tab = browser.new_page()
+    tab.goto(f"{address}?model=quarter")
+    tab.wait_for_selector(IDLE)
+    tab.route("**/answer", lambda route: route.fulfill(status=500))
+    slider(tab, "ks").press("ArrowRight")
+    tab.wait_for_selector("#errors:has-text('No answer; asked again.')")
+    tab.unroute("**/answer")
+    tab.wait_for_selector(IDLE)
+    assert tab.locator("#errors").inner_text() == ""
+    assert near(row(tab, "Body vertical")[0], ss.ride_metrics(ss.QuarterCar(ks=19053.0), ROAD).bacc)
+    tab.close()
+
+
 MOVES = """async ([count, together]) => {
     const slider = document.querySelector("input[name=ks]");
     for (let i = 0; i < count; i++) {

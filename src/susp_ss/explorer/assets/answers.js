@@ -5,31 +5,35 @@ window.explorer = window.explorer || {};
 explorer.answers = (() => {
   const PATIENCE = 10000; // ms until a live question counts as unanswered.
 
-  const served = (name, patience) => async (question) => {
-    const answer = await fetch(name, {
-      method: "POST",
-      headers: { "Content-Type": "application/json" },
-      body: JSON.stringify(question),
-      signal: patience && AbortSignal.timeout(patience),
-    });
+  async function served(name, question, signal) {
+    const headers = { "Content-Type": "application/json" };
+    const answer = await fetch(name, { method: "POST", headers, body: JSON.stringify(question), signal });
     if (!answer.ok) throw new Error(answer.statusText);
     return answer.json();
-  };
+  }
 
-  // A worker of its own for each kind of question, of which there is one at a time.
+  // A thread for each function of the engine, of which one question at a time is asked.
   function beside(name) {
     const script = `(${explorer.beside})(); onmessage = ({ data }) => postMessage(dash_clientside.engine.${name}(data));`;
-    const worker = new Worker(URL.createObjectURL(new Blob([script], { type: "text/javascript" })));
+    const thread = new Worker(URL.createObjectURL(new Blob([script], { type: "text/javascript" })));
     return (question) =>
       new Promise((answered, failed) => {
-        worker.onmessage = ({ data }) => answered(data);
-        worker.onerror = ({ message }) => failed(new Error(message));
-        worker.postMessage(question);
+        thread.onmessage = ({ data }) => answered(data);
+        thread.onerror = ({ message }) => failed(new Error(message));
+        thread.postMessage(question);
       });
   }
 
-  // {state, pins} is answered by {found, pins}; conditions, a state, by the background of the carpet.
-  return explorer.beside
-    ? { live: beside("answer"), slow: beside("background") }
-    : { live: served("answer", PATIENCE), slow: served("background") };
+  // {state, pins} is answered by {found, pins}, all that is shown while sliders move.
+  const [live, slowly] = explorer.beside
+    ? [beside("answer"), beside("background")]
+    : [
+        (question) => served("answer", question, AbortSignal.timeout(PATIENCE)),
+        (conditions) => served("background", conditions),
+      ];
+
+  // ``told`` is what takes seconds, the background of a state's carpet.
+  const slow = (state, told) => slowly(state).then(told, () => told({ errors: [{ message: "no answer" }] }));
+
+  return { live, slow };
 })();

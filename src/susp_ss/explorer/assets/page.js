@@ -42,7 +42,7 @@ explorer.page = (() => {
   }
 
   // One question at a time, and always the newest: of the design that moves, and of those to compare with that are old.
-  async function ask() {
+  function ask() {
     if (flying) return;
     const { state } = here;
     const key = keyOf(state);
@@ -51,13 +51,14 @@ explorer.page = (() => {
     element("panels").setAttribute("aria-busy", busy);
     if (!busy) return;
     flying = true;
-    try {
-      const { found, pins } = await explorer.answers.live({ state, pins: old.map((one) => one.state) });
-      answered({ key, state, results: found }, old, pins);
-    } catch {
-      refuse("answer", "No answer; asked again.");
-      setTimeout(() => ((flying = false), ask()), AGAIN);
-    }
+    explorer.answers
+      .live({ state, pins: old.map((one) => one.state) })
+      .then(({ found, pins }) => answered({ key, state, results: found }, old, pins), unanswered);
+  }
+
+  function unanswered() {
+    refuse("answer", "No answer; asked again.");
+    setTimeout(() => ((flying = false), ask()), AGAIN);
   }
 
   function answered(next, old, pins) {
@@ -272,20 +273,20 @@ explorer.page = (() => {
   }
 
   // One at a time here as well, and again where its conditions have moved on meanwhile.
-  async function askSlowly() {
+  function askSlowly() {
     const { bump, bode, ...frame } = explorer.state.unsprung(here.state);
     const key = keyOf(frame);
     if (slowFlight !== null || key === background.key) return;
     slowFlight = key;
+    explorer.answers.slow(here.state, answeredSlowly);
     settled({ key: null, found: null });
-    try {
-      settled({ key, found: await explorer.answers.slow(here.state) });
-    } catch {
-      settled({ key: null, found: { errors: [{ message: "no answer" }] } });
-    } finally {
-      slowFlight = null;
-    }
-    if (background.key) askSlowly();
+  }
+
+  function answeredSlowly(found) {
+    const key = slowFlight;
+    slowFlight = null;
+    settled({ key, found });
+    askSlowly();
   }
 
   function settled(next) {
