@@ -301,6 +301,16 @@ def test_by_keyboard_and_by_ear(tab):
     until(tab, "!location.search.includes('ks_rear')")
 
 
+def test_pictures_out_of_view_are_drawn_as_well_once_nothing_moves(tab):
+    tab.go()
+    for _ in range(2):
+        until(tab, "document.querySelector('#speeds .line.now')?.getAttribute('d')")
+        assert tab.evaluate("document.querySelector('#speeds').getBoundingClientRect().top > innerHeight")
+        before = tab.evaluate("document.querySelector('#speeds .line.now').getAttribute('d')")
+        press(tab, "ks_front", "PageUp")
+        until(tab, f"document.querySelector('#speeds .line.now').getAttribute('d') !== '{before}'")
+
+
 @pytest.mark.parametrize("model", ["full", "ride-handling"])
 def test_telephone(browser, address, model):
     with visit(browser, address, width=360, has_touch=True) as tab:

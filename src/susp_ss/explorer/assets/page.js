@@ -17,9 +17,9 @@ explorer.page = (() => {
   let now = { key: null, state: null, results: null };
   let background = { key: null, found: null }; // Of the carpet, which takes seconds.
   let slowFlight = null; // The conditions of the background on its way.
-  let quiet = null;
+  let quiet = null; // The timer that runs while something moves.
   const answers = new Map(); // {key, results} of pinned designs.
-  const waiting = new Set(); // Panels out of view whose picture is old.
+  const waiting = new Set(); // Panels out of view whose picture is old, until nothing moves.
   const seen = new Set();
 
   const element = (name) => document.getElementById(name);
@@ -69,6 +69,7 @@ explorer.page = (() => {
     complain(next.results.errors);
     ask(); // While this is drawn, the next is on its way.
     draw();
+    if (!quiet) say();
   }
 
   function designs() {
@@ -88,7 +89,7 @@ explorer.page = (() => {
       element(`panel-${name}`).hidden = found?.length === 0; // There is no such thing.
       waiting.delete(name);
       if (!found || found.length === 0) continue;
-      if (seen.has(name)) (explorer.tables[name] ?? explorer.panels[name])(all, now.state, background.found);
+      if (seen.has(name) || !quiet) (explorer.tables[name] ?? explorer.panels[name])(all, now.state, background.found);
       else waiting.add(name);
     }
     document.dispatchEvent(new Event("drawn"));
@@ -181,9 +182,15 @@ explorer.page = (() => {
     element("errors").replaceChildren(...lines.map((line) => html("li", {}, line)));
   }
 
-  // Once nothing moves: what takes seconds, and the numbers for those who listen.
+  // Once nothing moves: what takes seconds, pictures out of view, and the numbers for those who listen.
   function settle() {
+    quiet = null;
     askSlowly();
+    if (waiting.size) draw([...waiting]);
+    say();
+  }
+
+  function say() {
     if (!now.results?.metrics) return;
     const [first, before] = designs().map(({ results }) => results?.metrics?.[0]);
     const { one, unit } = explorer.words.metric(first.name, first.unit);
