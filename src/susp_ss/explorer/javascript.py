@@ -26,13 +26,13 @@ from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, TRACKS, Road
 from ..vehicles.full import FullCar
-from ..vehicles.second_order import SPLIT
+from ..vehicles.modes import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion
 from .background import FACTORS, background, conditions
 from .compute import SPEEDS
 from .motion import motion_of
-from .rows import at_places, named
+from .rows import metrics_at_places, named
 from .seat import seated
 from .spectra import FREQUENCIES, own_name, response_unit, spectrum_unit, under
 from .state import NOTHING
@@ -129,7 +129,7 @@ def described(vehicle: Vehicle, asked: tuple[str, ...]) -> dict[str, Any]:
     table, names = np.arange(len(layout.outputs)), layout.outputs.names
     public = names[layout.outputs.public]
     measured = []
-    for row in at_places(ride_metrics(vehicle, Road())):
+    for row in metrics_at_places(vehicle, Road()):
         name, _, place = row.name.partition("@")
         rows = table[layout.rates if name == "damper_power" else layout.outputs.of(name)]
         at = layout.variables[name][1].index(place)
