@@ -197,14 +197,15 @@ def histories(
     controls: Array | None = None,
     positions: bool = False,
     model: Model | None = None,
+    resolved: float = RESOLVED,
 ) -> Iterator[Array]:
     """Outputs and damper powers (N, rows, L) of flattened vehicles on heights z, (inputs, T) or (N, inputs, T).
 
-    Stretch after stretch, of vehicles of numbers; of one with curves all at once. ``model`` is theirs where it is
-    known.
+    Stretch after stretch, of vehicles of numbers; of one with curves all at once, in steps that times its fastest swing
+    are at most ``resolved``. ``model`` is theirs where it is known.
     """
     if part.curved:
-        yield _curved(part, z, t, positions)
+        yield _curved(part, z, t, positions, resolved)
         return
     model = part.assemble() if model is None else model
     damping, rates = model.damping[..., None], model.layout.rates
@@ -238,10 +239,10 @@ def driven(
     return hold.drive(u, -np.linalg.solve(A, B @ z[..., :1]))
 
 
-def _curved(part: Any, z: Array, t: Array, positions: bool) -> Array:
+def _curved(part: Any, z: Array, t: Array, positions: bool, resolved: float) -> Array:
     """`histories` of one vehicle with curves, in as many steps a sample as its fastest swing needs."""
     step, z = t[1] - t[0], z.reshape(z.shape[-2:])
-    parts = int(np.ceil(step * fastest(part.steepest()) / RESOLVED))
+    parts = int(np.ceil(step * fastest(part.steepest()) / resolved))
     finer = np.linspace(t[0], t[-1], parts * (len(t) - 1) + 1)
     heights = np.stack([np.interp(finer, t, row) for row in z])
     stepper = Stepper(part, step / parts, positions)
