@@ -179,6 +179,16 @@ def test_what_is_infinite_is_none():
     assert {row["name"]: row["value"] for row in found["metrics"]}["dtl"] is None
 
 
+@pytest.mark.parametrize(
+    "car",
+    [ss.QuarterCar(ct=100.0), ss.LinearVehicle(ss.RigidTyreQuarterCar().state_space(input="velocity"))],
+    ids=["damped tyre", "rigid tyre"],
+)
+def test_what_is_infinite_is_felt_all_the_same(car):
+    felt = compute(Given(car).default(), Given(car))["comfort"][0]
+    assert felt["total"] == pytest.approx(ss.comfort(car, ROAD).metrics.total.item(), rel=1e-9)
+
+
 def test_a_car_that_spins_at_some_speed_has_metrics_at_its_own():
     loose = Given(ss.RideHandlingCar(cornering=ss.Corners.axles(front=60e3, rear=30e3)))
     state = loose.default()

@@ -25,7 +25,7 @@ from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, Road
 from ..vehicles.full import FullCar
-from ..vehicles.second_order import SPLIT
+from ..vehicles.modes import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion
 from .background import FACTORS, background, conditions
