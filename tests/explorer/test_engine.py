@@ -6,7 +6,8 @@ import pytest
 import susp_ss as ss
 from susp_ss.explorer.background import Field, background, carpet
 from susp_ss.explorer.compute import compute
-from susp_ss.explorer.javascript import MODELS, engine, excitations, wavinesses
+from susp_ss.explorer.described import excitations
+from susp_ss.explorer.javascript import MODELS, engine, wavinesses
 from susp_ss.explorer.state import NOTHING
 from susp_ss.explorer.table import Number
 from susp_ss.roads.road import TRACKS

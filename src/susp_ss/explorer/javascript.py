@@ -19,22 +19,20 @@ from scipy.special import gamma
 from ..metrics.comfort import AXES, REACTIONS
 from ..metrics.ride import ride_metrics
 from ..metrics.weightings import filter_of
-from ..quantities import metric_and_place, signal
-from ..responses.excitation import integrated, processes
-from ..responses.positions import form_with_positions, with_positions
+from ..quantities import signal
+from ..responses.positions import form_with_positions
 from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
-from ..roads.road import REFERENCE_WAVENUMBER, TRACKS, Road
+from ..roads.road import REFERENCE_WAVENUMBER, Road
 from ..vehicles.full import FullCar
 from ..vehicles.modes import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion
 from .background import FACTORS, background, conditions
 from .compute import SPEEDS
-from .motion import motion_of
-from .rows import metrics_at_places, named
+from .described import described, placed
 from .seat import seated
-from .spectra import FREQUENCIES, own_name, response_unit, spectrum_unit, under
+from .spectra import FREQUENCIES
 from .state import NOTHING
 from .symbols import Lines
 from .table import DESIGN, Choice, Number
@@ -49,8 +47,6 @@ MATRICES = (
     *("m", "K", "C", "K_in", "C_in", "R", "N", "elongation", "rate", "acceleration", "on_road_velocity"),
     *("integrators", "damping"),
 )
-
-ROTATIONS = {"wroll": "roll_acc", "wpitch": "pitch_acc"}
 
 
 def assembled(vehicle: Vehicle) -> str:
@@ -67,41 +63,6 @@ def assembled(vehicle: Vehicle) -> str:
     parts = {name: getattr(model, name) for name in MATRICES}
     parts |= {"track_width": car.track_width, "wheelbase": car.wheelbase, "places": Y[rows, :n]}
     return lines.function(parts)
-
-
-def placed(vehicle: Vehicle) -> list[tuple[int, list[str]]]:
-    """Rows of `form_with_positions` that a drive over a bump shows, and where."""
-    names = with_positions(vehicle.layout(), vehicle).outputs.names
-    body = next(name for name in names if name.startswith("z_s"))
-    shown = {body: ["body", "heave"], "pitch": ["body", "pitch"], "roll": ["body", "roll"]}
-    shown |= {signal("z_u", wheel): ["wheels", wheel] for wheel in vehicle.wheels}
-    return [(names.index(name), at) for name, at in shown.items() if name in names]
-
-
-def excitations(vehicle: Vehicle) -> dict[str, Any]:
-    """How a road reaches a vehicle: for each kind of tracks the processes, met by one axle after another.
-
-    Raises
-    ------
-    ValueError
-        The vehicle has more than two axles, which the engine does not know.
-    """
-    if len(vehicle.axles) > 2:
-        raise ValueError(f"the engine knows vehicles of one axle or two, got {type(vehicle).__name__}")
-    model, found = vehicle.assemble(), dict[str, Any]()
-    for tracks in TRACKS:
-        found[tracks] = []
-        for process in processes(vehicle, Road(tracks=tracks)):
-            rates, _ = integrated(model, process)
-            found[tracks].append(
-                {
-                    "share": process.share,
-                    "sign": process.sign,
-                    "weights": process.weights[process.axles].tolist(),
-                    "rates": [sum(rate) for rate in rates[process.axles].tolist()],
-                }
-            )
-    return found
 
 
 def surface(sign: int, waviness: float) -> dict[str, Any]:
@@ -121,48 +82,6 @@ def weighting(name: str) -> dict[str, Any]:
     parts = np.stack([alphas[0].real, alphas[0].imag, low[0].real, low[0].imag], axis=-1)
     power = one.power(2.0 * np.pi * np.geomspace(*FREQUENCIES))
     return {"level": level.item(), "terms": parts.tolist(), "power": power.tolist()}
-
-
-def described(vehicle: Vehicle, asked: tuple[str, ...]) -> dict[str, Any]:
-    """Everything that the engine says of a vehicle but its numbers; ``asked`` are outputs that a state may name."""
-    layout = vehicle.layout()
-    table, names = np.arange(len(layout.outputs)), layout.outputs.names
-    public = names[layout.outputs.public]
-    measured = []
-    for row in metrics_at_places(vehicle, Road()):
-        name, _, place = row.name.partition("@")
-        rows = table[layout.rates if name == "damper_power" else layout.outputs.of(name)]
-        at = layout.variables[name][1].index(place)
-        damper = at if name == "damper_power" else None
-        measured.append(row.described() | {"row": int(rows[at]), "damper": damper})
-    return {
-        "processes": excitations(vehicle),
-        "measured": measured,
-        "rotations": {
-            axis: {"word": word, "row": names.index(axis)} for word, axis in ROTATIONS.items() if axis in names
-        },
-        "points": [
-            {"point": place, "label": named(place), "row": int(row)}
-            for place, row in zip(layout.outputs.places("bacc"), table[layout.outputs.of("bacc")], strict=True)
-        ],
-        "outputs": {name: _output(name, layout, public) for name in asked},
-        "inputs": layout.inputs,
-        "corners": list(vehicle.wheels),
-        "axles": [wheel.axle for wheel in vehicle.wheels.values()],
-        "coordinates": [{"motion": word, "at": at} for word, at in (motion_of(vehicle, q) for q in layout.coordinates)],
-        "placed": [{"at": at} for _, at in placed(vehicle)],
-    }
-
-
-def _output(name: str, layout: Any, public: Any) -> dict[str, Any]:
-    own, given = own_name(name, public), under(name, layout.inputs)
-    axis = AXES.get(metric_and_place(own)[0])
-    return {
-        "row": layout.outputs.names.index(own),
-        "input": layout.inputs.index(given),
-        "unit": {"bode": response_unit(own, given), "psd": spectrum_unit(own)},
-        "weighting": axis and axis.weighting,
-    }
 
 
 def settings(name: str, vehicle: Vehicle) -> dict[str, list[str]]:
