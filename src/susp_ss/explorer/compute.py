@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -13,7 +13,7 @@ from ..metrics.comfort import AXES, in_words
 from ..responses.frequency import densities, on_heights
 from .motion import bump, modes
 from .rows import at_places, named, number, numbers
-from .scene import FELT, SPEEDS, Found, Scene
+from .scene import FELT, SPEEDS, Found, Scene, share
 from .spectra import GRID, bode, spectra
 from .state import NOTHING, Given
 from .surrogates import predictions
@@ -55,7 +55,18 @@ def compute(state: Any, given: Given = NOTHING) -> Found:
     >>> [round(one["value"], 3) for one in found["metrics"] if one["name"] == "bacc"]
     [0.678]
     """
-    scene, found = Scene(state, given), Found()
+    return compute_all([state], given)[0]
+
+
+def compute_all(states: Sequence[Any], given: Given = NOTHING) -> list[Found]:
+    """The same of several states, which share what they can."""
+    scenes = [Scene(state, given) for state in states]
+    share(scenes)
+    return [_shown(scene) for scene in scenes]
+
+
+def _shown(scene: Scene) -> Found:
+    found = Found()
     for part in PARTS:
         found |= scene.attempt(part) or {}
     return found | {"errors": scene.errors}

@@ -203,5 +203,5 @@ def engine(named: Iterable[str] = MODELS) -> str:
     sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
     return (
         f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
-        "(globalThis.dash_clientside ??= {}).engine = { compute, background, metrics };\n})();\n"
+        "(globalThis.dash_clientside ??= {}).engine = { answer, compute, background, metrics };\n})();\n"
     )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
@@ -20,6 +21,7 @@ from ..responses.filters import EachDesign
 from ..responses.records import Moments
 from ..roads.road import Road
 from ..vehicles.contract import Model
+from ..vehicles.vehicle import Vehicle, joined
 from .design import road_of, vehicle_of
 from .state import Given, checked
 
@@ -65,8 +67,7 @@ class Scene:
     @cached_property
     def ride(self) -> Ride:
         """All metrics: one solution, over all speeds where the vehicle can go so fast."""
-        solved = _curved if self.vehicle.curved else _linear
-        return self.attempt(lambda scene: solved(scene, SPEEDS)) or solved(self, SPEEDS[:0])
+        return self.attempt(lambda scene: _ridden(scene, SPEEDS)) or _ridden(self, SPEEDS[:0])
 
     @cached_property
     def straight(self) -> Any:
@@ -90,18 +91,62 @@ class Scene:
             return None
 
 
-def _linear(scene: Scene, speeds: Array) -> Ride:
-    count = 1 + len(speeds)
-    along = np.concatenate([[scene.road.speed], speeds, [scene.road.speed] * len(FELT)])
-    filters = EachDesign([None] * count + [filter_of(name, "") for name in FELT])
-    space, car, ground = spanned(scene.vehicle, dataclasses.replace(scene.road, speed=along).weighted(filters))
+def share(scenes: Sequence[Scene]) -> None:
+    """Solve the rides of all scenes of the first one's kind and road at once, which takes little longer than one."""
+    with suppress(ValueError, TypeError):
+        alike = [scene for scene in scenes if _alike(scene, scenes[0])]
+        if len(alike) > 1:
+            # What is refused of any is left to each alone.
+            for scene, ride in zip(alike, _linear(alike, SPEEDS), strict=True):
+                scene.ride = ride
+
+
+def _alike(scene: Scene, first: Scene) -> bool:
+    if not isinstance(scene.vehicle, Vehicle) or type(scene.vehicle) is not type(first.vehicle):
+        return False
+    return not scene.vehicle.curved and scene.state["road"] == first.state["road"]
+
+
+def _ridden(scene: Scene, speeds: Array) -> Ride:
+    return _curved(scene, speeds) if scene.vehicle.curved else _linear([scene], speeds)[0]
+
+
+def _linear(scenes: Sequence[Scene], speeds: Array) -> list[Ride]:
+    """Rides of vehicles of one kind on one road."""
+    count, road = 1 + len(speeds), scenes[0].road
+    along = np.concatenate([[road.speed], speeds, [road.speed] * len(FELT)])
+    filters = [None] * count + [filter_of(name, "") for name in FELT]
+    vehicle = _in_a_row([scene.vehicle for scene in scenes], len(along))
+    ground = dataclasses.replace(road, speed=np.tile(along, len(scenes))).weighted(EachDesign(filters * len(scenes)))
+    space, car, ground = spanned(vehicle, ground)
     variances = covariance_variances(car, space, ground)
-    moments = Moments(variances[:count], power=dissipated(car, variances)[:count])
-    felt, outputs = variances[count:], scene.vehicle.layout().outputs
-    if not all(np.isfinite(felt[:, outputs.of(name)]).all() for name in AXES if name in outputs.quantities):
-        # Beside roads that no filter stands on, what passes on their velocity counts as infinite.
-        felt = _felt(scene.vehicle, scene.road)
-    return Ride(moments, felt, scene.vehicle)
+    powers = dissipated(car, variances)
+    rides = []
+    for scene, own, power in zip(scenes, *(np.split(x, len(scenes)) for x in (variances, powers)), strict=True):
+        felt, outputs = own[count:], scene.vehicle.layout().outputs
+        if not all(np.isfinite(felt[:, outputs.of(name)]).all() for name in AXES if name in outputs.quantities):
+            # Beside roads that no filter stands on, what passes on their velocity counts as infinite.
+            felt = _felt(scene.vehicle, road)
+        rides.append(Ride(Moments(own[:count], power=power[:count]), felt, scene.vehicle))
+    return rides
+
+
+def _in_a_row(vehicles: Sequence[Any], times: int) -> Any:
+    """One vehicle of as many designs, each so many times; what is one number for all stays one."""
+    if len(vehicles) == 1:
+        return vehicles[0]
+    first = vehicles[0]
+
+    def row(values: Sequence[Any]) -> Any:
+        return values[0] if len({*values}) == 1 else np.repeat(values, times)
+
+    def at(name: str) -> Any:
+        if name not in first.per_corner:
+            return row([getattr(car, name) for car in vehicles])
+        values = zip(*(car.at_wheels(name) for car in vehicles), strict=True)
+        return joined(dict(zip(first.wheels, map(row, values), strict=True)))
+
+    return dataclasses.replace(first, **{field.name: at(field.name) for field in dataclasses.fields(first)})
 
 
 def _curved(scene: Scene, speeds: Array) -> Ride:
