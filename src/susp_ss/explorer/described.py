@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..metrics.comfort import AXES
+from ..metrics.ride import ride_metrics
 from ..quantities import metric_and_place, signal
 from ..responses.excitation import processes
 from ..responses.positions import with_positions
