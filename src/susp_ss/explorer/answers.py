@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..quantities import briefly
-from .compute import Found, compute
+from .compute import Found, compute_all
 from .state import NOTHING, Given
 
 COMPARED = {
@@ -48,20 +48,20 @@ def answer(question: Any, given: Given = NOTHING) -> Found:
     """
     if not isinstance(question, Mapping) or not isinstance(question.get("pins"), list) or "state" not in question:
         raise ValueError(f"question must be a mapping of a state and a list of pins, got {briefly(question)}")
-    pins = [compared(pin, given) for pin in question["pins"]]
-    return {"found": compute(question["state"], given), "pins": pins}
+    found, *pins = compute_all([question["state"], *question["pins"]], given)
+    return {"found": found, "pins": [compared(pin) for pin in pins]}
 
 
-def compared(state: Any, given: Given = NOTHING) -> Found:
+def compared(whole: Found) -> Found:
     """What the page shows of a design to compare with: the parts of `compute` that it draws, `COMPARED` of each.
 
     Examples
     --------
     >>> from susp_ss.explorer.answers import compared
-    >>> compared({"model": "quarter"})["modes"][0].keys()
+    >>> from susp_ss.explorer.compute import compute
+    >>> compared(compute({"model": "quarter"}))["modes"][0].keys()
     dict_keys(['name', 'frequency'])
     """
-    whole = compute(state, given)
     found: Found = {
         part: [{key: one[key] for key in keys} for one in whole[part]]
         for part, keys in COMPARED.items()

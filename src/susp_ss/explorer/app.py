@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -67,12 +66,14 @@ def application(
 
 def reply(server: Any, name: str, found: Callable[[Any], Any]) -> None:
     """Let a Flask application answer what is posted to ``/name``: JSON by JSON, a ValueError in one line."""
+    with needing("explorer", "The explorer"):
+        import orjson
     from flask import request
 
     @server.post(f"/{name}", endpoint=name)
     def replied() -> Any:
         try:
-            text = json.dumps(found(request.get_json()))
+            text = orjson.dumps(found(request.get_json()), option=orjson.OPT_SERIALIZE_NUMPY)
         except ValueError as error:
             return str(error), 400, {"Content-Type": "text/plain"}
         return text, {"Content-Type": "application/json"}
