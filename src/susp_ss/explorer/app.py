@@ -60,8 +60,10 @@ def application(
     script("answered", "results")
     script("answeredSlowly", "background")
     if not served:
-        for function, store, question in (("compute", "results", "state"), ("background", "background", "conditions")):
-            stores = dash.Output(store, "data"), dash.Input(question, "data")
+        for function, *stores in (
+            ("compute", dash.Output("results", "data"), dash.Input("state", "data")),
+            ("aside", dash.Input("conditions", "data")),
+        ):
             app.clientside_callback(dash.ClientsideFunction("engine", function), *stores, prevent_initial_call=True)
         return app
 

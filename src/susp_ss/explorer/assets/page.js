@@ -284,29 +284,35 @@ explorer.page = (() => {
     return button;
   }
 
+  // What the background hangs on.
+  function frame() {
+    const { bump, bode, ...conditions } = explorer.state.unsprung(here.state);
+    return keyOf(conditions);
+  }
+
   // One at a time here as well, and again where its conditions have moved on meanwhile.
   function askSlowly() {
-    const { bump, bode, ...frame } = explorer.state.unsprung(here.state);
-    const key = keyOf(frame);
+    const key = frame();
     if (slowFlight !== null || key === background.key) return;
     slowFlight = key;
     send("conditions", here.state);
-    settled({ key: null, found: null });
+    settled({ key: null, found: null }, true);
   }
 
-  function answeredSlowly(found) {
+  // While there is more to come, other conditions need not wait for it.
+  function answeredSlowly({ more, ...found }) {
     const key = slowFlight;
-    slowFlight = null;
-    settled({ key, found });
+    if (!more || key !== frame()) slowFlight = null;
+    settled({ key: more ? null : key, found }, more);
     askSlowly();
   }
 
-  function settled(next) {
+  function settled(next, more = false) {
     background = next;
-    element("carpet").setAttribute("aria-busy", !next.found);
-    element("carpet-tools").dataset.said = next.found
-      ? next.found.errors.map(({ message }) => message).join("\n")
-      : "computing …";
+    element("carpet").setAttribute("aria-busy", more);
+    element("carpet-tools").dataset.said = more
+      ? "computing …"
+      : next.found.errors.map(({ message }) => message).join("\n");
     draw(["carpet"]);
   }
 
