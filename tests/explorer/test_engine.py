@@ -4,31 +4,14 @@ import numpy as np
 import pytest
 
 import susp_ss as ss
-from susp_ss.explorer.background import Field, background, carpet
 from susp_ss.explorer.compute import compute
 from susp_ss.explorer.design import vehicle_of
-from susp_ss.explorer.javascript import MODELS, engine, wavinesses
+from susp_ss.explorer.javascript import MODELS, wavinesses
 from susp_ss.explorer.state import NOTHING
 from susp_ss.explorer.table import Number
 from susp_ss.roads.road import TRACKS
 
 CARS = 48
-
-
-@pytest.fixture(scope="module")
-def ask(browser):
-    """Call a function of the engine for each of some states."""
-    page = browser.new_page()
-    wrong = []
-    page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.add_script_tag(content=engine(["quarter"]))
-
-    def asked(function, states):
-        return page.evaluate("([name, states]) => states.map(dash_clientside.engine[name])", [function, states])
-
-    yield asked
-    page.close()
-    assert wrong == []
 
 
 def numbers(model, table):
@@ -147,26 +130,6 @@ def changed(model, **vehicle):
 def test_modes_that_are_nearly_one(ask, state, rtol):
     (found,) = ask("metrics", [state])
     np.testing.assert_allclose(found, [row["value"] for row in compute(state)["metrics"]], rtol=rtol)
-
-
-def test_carpet(ask):
-    state = changed("full", ks_rear=21e3, mb=1400.0)
-    expected = carpet(Field(state, NOTHING))["carpet"]
-    (found,) = ask("background", [state])
-    agree(found["carpet"], expected, 1e-9)
-    assert "susp-ss explore" in found["errors"][0]["message"]
-
-
-def test_front_and_bound_hold_for_any_springs_and_roughness_but_no_other_car_or_road(ask):
-    rougher, heavier, faster = (changed("quarter", ks=30e3) for _ in range(3))
-    rougher["road"]["roughness"] *= 4.0
-    heavier["vehicle"]["ms"] *= 1.01
-    faster["road"]["speed"] += 1.0
-    expected, (found, *others) = background(rougher), ask("background", [rougher, heavier, faster])
-    for name in ("front", "bound"):
-        np.testing.assert_allclose(found[name]["points"], expected[name]["points"], rtol=1e-4)
-    assert found["errors"] == []
-    assert all("front" not in other and "susp-ss explore" in other["errors"][0]["message"] for other in others)
 
 
 def test_what_is_refused_is_said(ask):

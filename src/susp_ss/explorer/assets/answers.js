@@ -5,35 +5,35 @@ window.explorer = window.explorer || {};
 explorer.answers = (() => {
   const PATIENCE = 10000; // ms until a live question counts as unanswered.
 
-  async function served(name, question, signal) {
-    const headers = { "Content-Type": "application/json" };
-    const answer = await fetch(name, { method: "POST", headers, body: JSON.stringify(question), signal });
-    if (!answer.ok) throw new Error(answer.statusText);
-    return answer.json();
-  }
+  const served = (name, patience) => (question, told, failed) => {
+    const asked = {
+      method: "POST",
+      headers: { "Content-Type": "application/json" },
+      body: JSON.stringify(question),
+      signal: patience && AbortSignal.timeout(patience),
+    };
+    const read = (answer) => (answer.ok ? answer.json() : Promise.reject(answer.statusText));
+    fetch(name, asked).then(read).then(told, failed);
+  };
 
-  // A thread for each function of the engine, of which one question at a time is asked.
+  // A thread for each kind of question; one that comes while there is more to come makes the rest needless.
   function beside(name) {
-    const script = `(${explorer.beside})(); onmessage = ({ data }) => postMessage(dash_clientside.engine.${name}(data));`;
-    const thread = new Worker(URL.createObjectURL(new Blob([script], { type: "text/javascript" })));
-    return (question) =>
-      new Promise((answered, failed) => {
-        thread.onmessage = ({ data }) => answered(data);
-        thread.onerror = ({ message }) => failed(new Error(message));
-        thread.postMessage(question);
-      });
+    const call = `onmessage = ({ data }) => dash_clientside.engine.${name}(data, (found) => postMessage(found));`;
+    const script = new Blob([`(${explorer.beside})(); ${call}`], { type: "text/javascript" });
+    const address = URL.createObjectURL(script);
+    let [thread, busy] = [null, false];
+    return (question, told, failed) => {
+      if (busy) thread = thread.terminate();
+      thread ??= new Worker(address);
+      busy = true;
+      thread.onmessage = ({ data }) => ((busy = Boolean(data.more)), told(data));
+      thread.onerror = ({ message }) => ((busy = false), failed(message));
+      thread.postMessage(question);
+    };
   }
 
-  // {state, pins} is answered by {found, pins}, all that is shown while sliders move.
-  const [live, slowly] = explorer.beside
-    ? [beside("answer"), beside("background")]
-    : [
-        (question) => served("answer", question, AbortSignal.timeout(PATIENCE)),
-        (conditions) => served("background", conditions),
-      ];
-
-  // ``told`` is what takes seconds, the background of a state's carpet.
-  const slow = (state, told) => slowly(state).then(told, () => told({ errors: [{ message: "no answer" }] }));
-
-  return { live, slow };
+  // ``live``: {state, pins} is answered by {found, pins}; ``slow``: a state by the background of its carpet.
+  return explorer.beside
+    ? { live: beside("answer"), slow: beside("background") }
+    : { live: served("answer", PATIENCE), slow: served("background") };
 })();

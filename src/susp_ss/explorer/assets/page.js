@@ -51,9 +51,11 @@ explorer.page = (() => {
     element("panels").setAttribute("aria-busy", busy);
     if (!busy) return;
     flying = true;
-    explorer.answers
-      .live({ state, pins: old.map((one) => one.state) })
-      .then(({ found, pins }) => answered({ key, state, results: found }, old, pins), unanswered);
+    explorer.answers.live(
+      { state, pins: old.map((one) => one.state) },
+      ({ found, pins }) => answered({ key, state, results: found }, old, pins),
+      unanswered,
+    );
   }
 
   function unanswered() {
@@ -279,29 +281,35 @@ explorer.page = (() => {
     return button;
   }
 
-  // One at a time here as well, and again where its conditions have moved on meanwhile.
-  function askSlowly() {
-    const { bump, bode, ...frame } = explorer.state.unsprung(here.state);
-    const key = keyOf(frame);
-    if (slowFlight !== null || key === background.key) return;
-    slowFlight = key;
-    explorer.answers.slow(here.state, answeredSlowly);
-    settled({ key: null, found: null });
+  // What the background hangs on.
+  function frame() {
+    const { bump, bode, ...conditions } = explorer.state.unsprung(here.state);
+    return keyOf(conditions);
   }
 
-  function answeredSlowly(found) {
+  // One at a time here as well, and again where its conditions have moved on meanwhile.
+  function askSlowly() {
+    const key = frame();
+    if (slowFlight !== null || key === background.key) return;
+    slowFlight = key;
+    explorer.answers.slow(here.state, answeredSlowly, () => answeredSlowly({ errors: [{ message: "no answer" }] }));
+    settled({ key: null, found: null }, true);
+  }
+
+  // While there is more to come, other conditions need not wait for it.
+  function answeredSlowly({ more, ...found }) {
     const key = slowFlight;
-    slowFlight = null;
-    settled({ key, found });
+    if (!more || key !== frame()) slowFlight = null;
+    settled({ key: more ? null : key, found }, more);
     askSlowly();
   }
 
-  function settled(next) {
+  function settled(next, more = false) {
     background = next;
-    element("carpet").setAttribute("aria-busy", !next.found);
-    element("carpet-tools").dataset.said = next.found
-      ? next.found.errors.map(({ message }) => message).join("\n")
-      : "computing …";
+    element("carpet").setAttribute("aria-busy", more);
+    element("carpet-tools").dataset.said = more
+      ? "computing …"
+      : next.found.errors.map(({ message }) => message).join("\n");
     draw(["carpet"]);
   }
 

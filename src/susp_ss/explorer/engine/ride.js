@@ -133,7 +133,7 @@ class Ride {
         if (feeds.every((feed) => feed === 0)) return;
         // White velocity has no finite variance.
         through[i] += filter
-          ? passedOn(dynamics, feeds, this.seen[i], this.on_integrators[i], one, spectrum, integrated.rates, bounded)
+          ? passedOn(dynamics, feeds, this.seen[i], this.on_integrators[i], one, taus, spectrum, integrated.rates, bounded)
           : Infinity;
       });
     }
@@ -172,8 +172,15 @@ class Ride {
 }
 
 // A real row times a complex vector.
-const applied = (row, x) =>
-  row.reduce((total, one, i) => (one ? plus(total, scaled(x[i], one)) : total), complex(0));
+function applied(row, x) {
+  let re = 0, im = 0;
+  for (let i = 0; i < row.length; i++) {
+    if (row[i] === 0) continue;
+    re += row[i] * x[i].re;
+    im += row[i] * x[i].im;
+  }
+  return complex(re, im);
+}
 
 // A car that the speed does not change.
 class Car extends Ride {
@@ -191,12 +198,8 @@ class Car extends Ride {
       ...this.C_in.map((row, i) => row.map((one) => one / root[i])),
     ];
     this.entering = transpose(entering);
+    this.G = G;
     // What every output sees of each mode: elongation R p + rate R p' + acceleration p''.
-    this.placed = this.placed.map(({ at }, i) => ({
-      at,
-      seen: this.shapes.map((shape) => applied(this.places[i], shape)),
-      carried: multiply([this.places[i]], G)[0],
-    }));
     const stretched = this.shapes.map((shape) => this.R.map((row) => applied(row, shape)));
     this.seen = this.elongation.map((elongation, i) => rates.map((rate, k) => {
       const accelerated = product(rate, applied(this.acceleration[i], this.shapes[k]));
@@ -207,6 +210,15 @@ class Car extends Ride {
     still.forEach((row, i) => add(row, this.N[i], 1));
     this.on_integrators = multiply(this.elongation, warped(still, this.integrators));
     this.slots = this.coordinates.map(({ motion }) => motion);
+  }
+
+  // What is shown of where everything is: what it sees of the modes, and by how much the ground carries it.
+  get positions() {
+    return this.placed.map(({ at }, i) => ({
+      at,
+      seen: this.shapes.map((shape) => applied(this.places[i], shape)),
+      carried: multiply([this.places[i]], this.G)[0],
+    }));
   }
 
   // Every mode with its shape in the coordinates, and the shares of its kinetic energy that the `slots` have.
