@@ -33,7 +33,7 @@ def test_fronts_and_bounds_are_those_of_the_package(ask, state):
 
 
 def test_the_full_car(ask):
-    state = changed("full", {"speed": 25.0, "waviness": 1.8}, mb=1400.0, arb_front=12e3)
+    state = changed("full", {"speed": 25.0}, mb=1400.0, arb_front=12e3)
     (found,) = ask("background", [state])
     points, carpet = np.array(found["front"]["points"]), np.array(found["carpet"]["designs"]).reshape(-1, 2)
     car, road = vehicle_of(state), road_of(state)
@@ -74,25 +74,12 @@ def test_what_there_is_not_is_said_in_the_words_of_the_package(ask, state):
     assert found.keys() == expected.keys()
 
 
-def test_a_thread_of_its_own_answers_part_by_part_and_only_what_was_asked_last(browser, ask):
-    told = """async ([first, last]) => {
-        const found = [];
-        await new Promise((done) => {
-            dash_clientside.set_props = (store, { data }) => {
-                found.push([store, data]);
-                if (!data.more) done();
-            };
-            dash_clientside.engine.aside(first);
-            dash_clientside.engine.aside(last);
-        });
-        return found;
+def test_parts_are_told_as_they_are_found(ask):
+    told = """(state) => {
+        const parts = [];
+        return [dash_clientside.engine.background(state, (part) => parts.push(part)), parts];
     }"""
-    first, last = changed("full"), changed("quarter", ms=400.0)
-    parts = ask.page.evaluate(told, [first, last])
-    assert [store for store, _ in parts] == ["background"] * 3
-    assert [set(part) - {"errors", "more"} for _, part in parts] == [
-        {"carpet"},
-        {"carpet", "front"},
-        {"carpet", "front", "bound"},
-    ]
-    assert parts[-1][1] == ask("background", [last])[0]
+    found, parts = ask.page.evaluate(told, changed("quarter", ms=400.0))
+    assert [set(part) for part in parts] == [{"carpet", "errors", "more"}, {"carpet", "front", "errors", "more"}]
+    assert set(found) == {"carpet", "front", "bound", "errors"}
+    assert all(part[name] == found[name] for part in parts for name in part.keys() - {"more"})

@@ -24,8 +24,9 @@ from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, Road
 from ..vehicles.full import FullCar
+from ..vehicles.modes import SPLIT
 from ..vehicles.ride_handling import RideHandlingCar
-from ..vehicles.second_order import ROUNDING, SPLIT
+from ..vehicles.second_order import ROUNDING
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion, search
 from .background import FACTORS
@@ -45,7 +46,7 @@ SOURCES = (
     *("algebra.js", "complex.js", "modes.js", "eigen.js", "covariance.js"),
     *("ride.js", "moving.js", "motion.js", "answers.js"),
     *("descent.js", "front.js", "decay.js", "passage.js", "shaping.js", "preview.js", "bound.js"),
-    *("background.js", "aside.js"),
+    "background.js",
 )
 
 # What JavaScript asks of an assembled car.
@@ -143,9 +144,8 @@ def wavinesses() -> list[float]:
 def engine() -> str:
     """The engine as a script.
 
-    It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does,
-    ``background`` as `susp_ss.explorer.background.background` does, ``aside`` the same in a thread of its own, part by
-    part; ``metrics`` are the numbers alone.
+    It sets ``dash_clientside.engine``: ``answer``, ``compute`` and ``background`` are those of `susp_ss.explorer`, of
+    which the last tells a second argument what is found so far; ``metrics`` are the numbers alone.
     """
     grid = wavinesses()
     step = inspect.signature(obstacle).parameters["step"].default
@@ -177,4 +177,7 @@ def engine() -> str:
     given = "\n".join(f"const {name} = {json.dumps(value)};" for name, value in constants.items())
     cars = ",\n".join(map(model, MODELS))
     sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
-    return f'(function engine() {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n}})();\n'
+    return (
+        f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
+        "(globalThis.dash_clientside ??= {}).engine = { answer, compute, background, metrics };\n})();\n"
+    )

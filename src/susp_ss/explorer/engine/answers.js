@@ -76,3 +76,12 @@ function compute(state) {
   if (road.waviness in GAMMA) Object.assign(found, overFrequency(car, road, state.bode));
   return Object.assign(found, { modes: modes(car), bump: bump(car.at(state.bump.speed), state.bump) });
 }
+
+// What the page shows of a design to compare with.
+function compared(state) {
+  const { metrics, comfort, frequency, bode, psd, modes, speeds, bump } = compute(state);
+  return { metrics, comfort, frequency, bode, psd, modes, speeds, bump: { t: bump.t, acceleration: bump.acceleration } };
+}
+
+// The design that moves, and others under the same conditions.
+const answer = ({ state, pins }) => ({ found: compute(state), pins: pins.map(compared) });

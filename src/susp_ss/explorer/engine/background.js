@@ -78,7 +78,7 @@ class Field {
 const said = (words, names) =>
   Object.entries(names).reduce((text, [name, one]) => text.replace(name, one), WORDS[words]);
 
-// `say` is told what is found so far while there is `more` to come, and at last the whole, which is returned as well.
+// `say` is told what is found so far while there is `more` to come.
 function background(state, say = () => {}) {
   const found = { errors: [] }, refuse = (message) => {
     if (!found.errors.some((one) => one.message === message)) found.errors.push({ parameter: "", message });
@@ -96,6 +96,5 @@ function background(state, say = () => {}) {
     }
     if (part !== parts.at(-1)) say({ ...found, more: true });
   }
-  say(found);
   return found;
 }
