@@ -144,9 +144,8 @@ def wavinesses() -> list[float]:
 def engine() -> str:
     """The engine as a script.
 
-    It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does,
-    ``background`` as `susp_ss.explorer.background.background` does, part by part; ``answer`` is what the page asks, as
-    `susp_ss.explorer.answers.answer`; ``metrics`` are the numbers alone.
+    It sets ``dash_clientside.engine``: ``answer``, ``compute`` and ``background`` are those of `susp_ss.explorer`, of
+    which the last tells a second argument what is found so far; ``metrics`` are the numbers alone.
     """
     grid = wavinesses()
     step = inspect.signature(obstacle).parameters["step"].default

@@ -18,8 +18,8 @@ explorer.answers = (() => {
 
   // A thread for each kind of question; one that comes while there is more to come makes the rest needless.
   function beside(name) {
-    const call = `onmessage = ({ data }) => dash_clientside.engine.${name}(data, (found) => postMessage(found));`;
-    const script = new Blob([`(${explorer.beside})(); ${call}`], { type: "text/javascript" });
+    const answer = `postMessage(dash_clientside.engine.${name}(data, postMessage))`;
+    const script = new Blob([`(${explorer.beside})(); onmessage = ({ data }) => ${answer};`], { type: "text/javascript" });
     const address = URL.createObjectURL(script);
     let [thread, busy] = [null, false];
     return (question, told, failed) => {

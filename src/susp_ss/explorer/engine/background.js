@@ -10,8 +10,8 @@ class Field {
     Object.assign(this, { state, designs: DESIGNS[state.model], road: roadOf(state) });
     const own = Object.fromEntries(this.designs.map(({ key, value }) => [key, value]));
     this.car = carOf(this.with(own));
-    const { measured } = this.car, named = (axis) => measured.findIndex(({ name }) => name === axis || name.startsWith(`${axis}@`));
-    [this.x, this.y] = [named(state.carpet.x), named(state.carpet.y)];
+    const { measured } = this.car, is = (axis) => ({ name }) => name === axis || name.startsWith(`${axis}@`);
+    [this.x, this.y] = [state.carpet.x, state.carpet.y].map((axis) => measured.findIndex(is(axis)));
     this.names = { x: measured[this.x].name, y: measured[this.y].name };
   }
 
@@ -28,11 +28,14 @@ class Field {
   carpet() {
     const designs = FACTORS.map((ks) => FACTORS.map((cs) => {
       const by = { springs: ks, dampers: cs };
-      const found = this.metrics(Object.fromEntries(this.designs.map(({ key, group, value }) => [key, value * by[group]])));
+      const moved = this.designs.map(({ key, group, value }) => [key, value * by[group]]);
+      const found = this.metrics(Object.fromEntries(moved));
       return [found[this.x], found[this.y]];
     }));
     const { x, y } = this.names;
-    if (!designs.flat(2).every(Number.isFinite)) throw new Refusal(`no carpet of ${x} and ${y}, which are infinite on this road`);
+    if (!designs.flat(2).every(Number.isFinite)) {
+      throw new Refusal(`no carpet of ${x} and ${y}, which are infinite on this road`);
+    }
     return { carpet: { x, y, ks: FACTORS, cs: FACTORS, designs } };
   }
 
@@ -42,7 +45,8 @@ class Field {
     for (const [name, value] of [[y, own[this.y]], [x, own[this.x]]]) {
       if (!(value > 0 && value < Infinity)) throw new Refusal(said("flat", { NAME: name, VALUE: value ? "inf" : "0" }));
     }
-    const design = (u) => Object.fromEntries(this.designs.map(({ key, least, most }, j) => [key, least + u[j] * (most - least)]));
+    const settings = (u) => this.designs.map(({ key, least, most }, j) => [key, least + u[j] * (most - least)]);
+    const design = (u) => Object.fromEntries(settings(u));
     const values = (u) => {
       const found = this.metrics(design(u));
       return [found[this.y], found[this.x]];
@@ -54,13 +58,13 @@ class Field {
 
   bound() {
     const { car, road } = this, { measured } = car, kept = ({ name }) => SEARCH.kept.includes(name.split("@")[0]);
-    const limited = [...new Set([measured[this.x], ...measured.filter(kept)])].filter((one) => one !== measured[this.y]);
-    const variances = car.variances(road);
-    for (const [where, one] of [["minimise", measured[this.y]], ...limited.map((one) => ["limits", one])]) {
+    const goal = measured[this.y], variances = car.variances(road);
+    const limited = [...new Set([measured[this.x], ...measured.filter(kept)])].filter((one) => one !== goal);
+    for (const [where, one] of [["minimise", goal], ...limited.map((one) => ["limits", one])]) {
       if (one.damper !== null) throw new Refusal(`${where}: ${car.unbounded}`);
       if (variances[one.row] === Infinity) throw new Refusal(`${where}: ${said("infinite", { NAME: one.name })}`);
     }
-    const dual = new Dual(new Plant(car, road), measured[this.y].row, limited.map(({ row }) => row)), points = [];
+    const dual = new Dual(new Plant(car, road), goal.row, limited.map(({ row }) => row)), points = [];
     let last = null;
     for (const { x, design } of this.best) {
       const found = this.metrics(design);
@@ -71,9 +75,10 @@ class Field {
   }
 }
 
-const said = (words, names) => Object.entries(names).reduce((text, [name, one]) => text.replace(name, one), WORDS[words]);
+const said = (words, names) =>
+  Object.entries(names).reduce((text, [name, one]) => text.replace(name, one), WORDS[words]);
 
-// `say` is told what is found so far while there is `more` to come, and at last the whole, which is returned as well.
+// `say` is told what is found so far while there is `more` to come.
 function background(state, say = () => {}) {
   const found = { errors: [] }, refuse = (message) => {
     if (!found.errors.some((one) => one.message === message)) found.errors.push({ parameter: "", message });
@@ -91,6 +96,5 @@ function background(state, say = () => {}) {
     }
     if (part !== parts.at(-1)) say({ ...found, more: true });
   }
-  say(found);
   return found;
 }

@@ -38,7 +38,8 @@ class Plant {
       this.C = this.C.map((row) => row.map((one, j) => one * sizes[j]));
     };
     by(A.map((_, i) => (i < n ? 1 / unit : 1)));
-    const X = new Decay(this.A).stirred(across(this.W, this.W)), sizes = X.map((row, i) => Math.sqrt(Math.max(row[i], 0)));
+    const X = new Decay(this.A).stirred(across(this.W, this.W));
+    const sizes = X.map((row, i) => Math.sqrt(Math.max(row[i], 0)));
     by(sizes.map((one) => Math.max(one, FAINT * Math.max(...sizes))));
   }
 
@@ -80,7 +81,6 @@ class Dual {
     const sizes = felt.flatMap((one, row) => (one > 0 && alone[row] < Infinity ? [alone[row] / one ** 2] : []));
     this.force = sizes.length ? Math.max(...sizes) : 1;
     this.size = alone[goal];
-    this.rows = rows;
     this.idle = zeros(forces, A.length);
   }
 
@@ -107,8 +107,9 @@ class Dual {
       return { ...one, x, value: sum(x) - dot(one.law.weights, one.variances), over: -1 };
     };
     const slopes = ({ excess }) => ({ value: excess.map((one) => -one), over: excess.map(() => 0) });
+    const curvatures = first.map((one) => 1 / Math.max(one, DUAL.awake));
     const ends = [0, DUAL.most].map((one) => limits.map(() => one));
-    return descended(at, slopes, first, ...ends, first.map((one) => 1 / Math.max(one, DUAL.awake)), SHARP);
+    return descended(at, slopes, first, ...ends, curvatures, SHARP);
   }
 
   // The least variance under limits and the solution from which one nearby may start; none where no law meets them.

@@ -49,8 +49,8 @@ function limited(g, B, low, high, over, a) {
   return { step: at(many), price: many };
 }
 
-// Where `at(x)`, which gives a `value` and by how much a limit is `over` (never, without one), is least from a start on.
-// `slopesAt(x)` gives the derivatives of both; `curvatures` are about those of the value.
+// Where a `value` is least, from a start on, and a limit is not `over`, which without one is less than nothing.
+// `at(x)` gives both, with x, and `slopesAt` of that their derivatives; `curvatures` are about those of the value.
 function descended(at, slopesAt, start, low, high, curvatures = start.map(() => 1), settled = SETTLED) {
   const n = start.length, B = zeros(n, n).map((row, i) => ((row[i] = curvatures[i]), row));
   let here = at(start), slopes = slopesAt(here), weight = 0;
@@ -69,9 +69,9 @@ function descended(at, slopesAt, start, low, high, curvatures = start.map(() => 
       share *= 0.5;
     } while (share > 1e-4);
     if (!(merit(next) < merit(here))) break;
-    const ahead = slopesAt(next), bent = (found) => Array.from(found.value, (one, i) => one + price * found.over[i]);
-    bend(B, Array.from(next.x, (one, i) => one - x[i]), bent(ahead).map((one, i) => one - bent(slopes)[i]));
-    [here, slopes] = [next, ahead];
+    const after = slopesAt(next), bent = (found) => Array.from(found.value, (one, i) => one + price * found.over[i]);
+    bend(B, Array.from(next.x, (one, i) => one - x[i]), bent(after).map((one, i) => one - bent(slopes)[i]));
+    [here, slopes] = [next, after];
   }
   return here;
 }
@@ -82,5 +82,8 @@ function bend(B, step, change) {
   if (!(own > 0)) return;
   const kept = found < 0.2 * own ? (0.8 * own) / (own - found) : 1;
   const damped = pushed.map((one, i) => kept * change[i] + (1 - kept) * one), size = dot(step, damped);
-  B.forEach((row, i) => row.forEach((_, j) => (row[j] += (damped[i] * damped[j]) / size - (pushed[i] * pushed[j]) / own)));
+  B.forEach((row, i) => {
+    add(row, damped, damped[i] / size);
+    add(row, pushed, -pushed[i] / own);
+  });
 }

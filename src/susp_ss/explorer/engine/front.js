@@ -16,10 +16,11 @@ class Search {
   constructor(values, k) {
     Object.assign(this, { values, k });
     this.seen = spread(k, SAMPLE).map((u) => ({ u, values: values(u) }));
-    this.sizes = [0, 1].map((i) => this.seen.map((one) => one.values[i]).sort((a, b) => a - b)[SAMPLE / 2]);
+    const middle = (x) => x.sort((a, b) => a - b)[SAMPLE / 2];
+    this.sizes = [0, 1].map((i) => middle(this.seen.map((one) => one.values[i])));
   }
 
-  // The design whose metric `goal` is least while the other keeps a limit, from some near it and the best of the sample.
+  // The design whose metric `goal` is least while the other keeps a limit: from some near it, and the best of the sample.
   least(goal, limit = Infinity, near = []) {
     const over = ({ values }) => Math.max(values[1 - goal] / limit - 1, 0);
     const order = [...this.seen].sort((a, b) => over(a) - over(b) || a.values[goal] - b.values[goal]);
@@ -51,8 +52,8 @@ class Search {
   }
 }
 
-// Points of the front, from the least of the first metric to the least of the second: its ends, then level by level what
-// lies midway between neighbours, as susp_ss.design.halving.
+// Points of the front, from the least of the first metric to the least of the second: its ends, then level by level
+// what lies midway between neighbours, as susp_ss.design.halving.
 function frontOf(search, count) {
   const alone = [0, 1].map((goal) => search.least(goal));
   const found = alone.map((end, goal) => {
@@ -76,8 +77,8 @@ function frontOf(search, count) {
       const midway = 0.5 * (a.values[held] + b.values[held]);
       return search.least(1 - held, midway, [a.u.map((one, j) => 0.5 * (one + b.u[j]))]);
     });
-    const fresh = between.filter((one, i) => one && chosen[i].every((end) => Math.max(...shares(one, end)) > SEARCH.same));
-    points = undominated([...points, ...fresh]);
+    const far = (one, end) => Math.max(...shares(one, end)) > SEARCH.same;
+    points = undominated([...points, ...between.filter((one, i) => one && chosen[i].every((end) => far(one, end)))]);
     chosen.forEach((gap, i) => points.includes(between[i]) || closed.add(named(gap)));
   }
   return points;

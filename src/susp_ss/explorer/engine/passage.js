@@ -1,7 +1,7 @@
 // How a stable system x' = A x moves over a time: the integrals of what runs forwards times what runs backwards.
 
-// Terms of Taylor's series, the size of a step for which they are enough, and rates so many times as large as A are apart
-// from its own.
+// Terms of Taylor's series, the size of a step for which they are enough, and rates so many times as large as A are
+// apart from its own.
 const TAYLOR = 16, SHORT = 0.5, STIFF = 2;
 
 const FACTORIALS = [1];
@@ -13,14 +13,15 @@ class Passage {
     this.size = Math.max(...A.map((row) => sum(row.map(Math.abs))));
     const squares = Math.max(0, Math.ceil(Math.log2((STIFF * this.size * T) / SHORT)));
     this.step = T * 2 ** -squares;
-    let term = identity(A.length), E = identity(A.length);
+    const short = A.map((row) => row.map((one) => one * this.step)), E = identity(A.length);
+    let term = identity(A.length);
     for (let k = 1; k < TAYLOR; k++) {
-      term = multiply(A, term).map((row) => row.map((one) => (one * this.step) / k));
+      term = multiply(short, term).map((row) => row.map((one) => one / k));
       E.forEach((row, i) => add(row, term[i], 1));
     }
     this.steps = [E];
-    for (let k = 0; k < squares; k++) this.steps.push((E = multiply(E, E)));
-    Object.assign(this, { A, At: transpose(A), T, adjoint: transpose(E) });
+    for (let k = 0; k < squares; k++) this.steps.push(multiply(this.steps[k], this.steps[k]));
+    Object.assign(this, { A, short, back: transpose(short), T, adjoint: transpose(this.steps[squares]) });
   }
 
   // From x and v on, with v' = -rate v and x' = A x + pushed v of a `bank`: where they end, and their integrals Y and V
@@ -48,20 +49,19 @@ class Passage {
   }
 
   slowly(x, v, bank, s) {
-    const { A, At, step, steps, T } = this, n = A.length, r = bank.length;
-    // Derivatives of (x, v) and of s, and the series of how v moves x.
+    const { short, back, step, steps } = this, n = short.length, r = bank.length;
+    const pushed = bank.map((one) => one.pushed.map((value) => value * step));
+    const fading = bank.map(({ rate }) => -rate * step);
+    // Derivatives of (x, v) and of s in steps, and the series of how v moves x.
     const along = [[x, v]], against = [s], G = zeros(r, n);
-    let moved = bank.map(({ pushed }) => pushed.map((one) => one * step));
+    let moved = pushed;
     for (let k = 1; k < TAYLOR; k++) {
-      const [now, colours] = along[k - 1], next = times(A, now);
-      bank.forEach(({ pushed }, q) => add(next, pushed, colours[q]));
-      along.push([next.map((one) => one * step), colours.map((one, q) => -one * bank[q].rate * step)]);
-      against.push(times(At, against[k - 1]).map((one) => one * step));
-      moved = moved.map((one, q) => {
-        add(G[q], one, 1 / FACTORIALS[k]);
-        const { pushed, rate } = bank[q];
-        return ahead(times(A, one).map((value) => value * step), step * (-rate * step) ** k, pushed);
-      });
+      const [now, colours] = along[k - 1], next = times(short, now);
+      pushed.forEach((one, q) => add(next, one, colours[q]));
+      along.push([next, colours.map((one, q) => one * fading[q])]);
+      against.push(times(back, against[k - 1]));
+      moved.forEach((one, q) => add(G[q], one, 1 / FACTORIALS[k]));
+      moved = moved.map((one, q) => ahead(times(short, one), fading[q] ** k, pushed[q]));
     }
     let Y = zeros(n, n), V = zeros(r, n), gains = G;
     along.forEach(([of, colours], a) => {
@@ -79,7 +79,7 @@ class Passage {
       for (let q = 0; q < r; q++) increment(Y, 1, gains[q], V[q]);
       const after = multiply(V, E), fresh = across(gains, E);
       for (let q = 0; q < r; q++) {
-        const kept = Math.exp(-bank[q].rate * step * 2 ** k);
+        const kept = Math.exp(fading[q] * 2 ** k);
         V[q] = ahead(after[q], kept, V[q]);
         gains[q] = ahead(fresh[q], kept, gains[q]);
       }

@@ -75,8 +75,8 @@ function bankUnder({ decay, undo, B, D, Bt, WD, WC, P }, { bank, rates }) {
   });
 }
 
-// Drives over a unit of noise, from axle to axle: adds what is met on the way, and returns what starts and ends in states
-// x and colours v, with the sign by which it counts.
+// Drives over a unit of noise, from axle to axle: adds what is met on the way, and returns what starts and ends in
+// states x and colours v, with the sign by which it counts.
 function travelled(loop, axles, bank, sums) {
   const { seen, back, Z, undone } = loop, terms = [];
   let x = axles[0].entry, v = bank.map(({ axle }) => +(axle === 0));
@@ -129,13 +129,8 @@ function legs({ decay, seen, undo, undone, Bt, WD, WC, P, B, D }, axles, bank) {
 function settle({ decay, seen }, bank, terms, sums) {
   for (const [x, , by] of terms) increment(sums.forwards, by, x, x);
   const r = bank.length, colours = zeros(r, r);
-  for (let p = 0; p < r; p++) {
-    for (let q = 0; q <= p; q++) {
-      let total = 0;
-      for (const [, v, by] of terms) total += by * v[p] * v[q];
-      colours[p][q] = colours[q][p] = total / (bank[p].rate + bank[q].rate);
-    }
-  }
+  for (const [, v, by] of terms) increment(colours, by, v, v);
+  colours.forEach((row, p) => bank.forEach(({ rate }, q) => (row[q] /= bank[p].rate + rate)));
   const pushed = bank.map((one) => one.pushed), right = r ? multiply(colours, pushed) : [];
   const mixed = bank.map(({ rate }, q) => {
     for (const [x, v, by] of terms) add(right[q], x, by * v[q]);

@@ -11,19 +11,21 @@ function shapingOf(spectrum) {
   if (!kept.length) return { direct: Math.sqrt(white), rates: [], gains: [], standing: Math.sqrt(white) };
   const size = Math.max(Math.abs(level), ...kept.flatMap(({ low, high }) => [Math.abs(low), Math.abs(high)]));
   const bounded = white <= SHAPING.white * size;
-  const lead = Math.sqrt(Math.max(bounded ? sum(kept.map(({ rate, low, high }) => (low - high) * rate ** 2)) : white, 0));
+  const falling = sum(kept.map(({ rate, low, high }) => (low - high) * rate ** 2));
+  const lead = Math.sqrt(Math.max(bounded ? falling : white, 0));
   const zeros = spectralZeros(level, kept, kept.length - bounded).map(root), direct = bounded ? 0 : lead;
   const rates = kept.map(({ rate }) => rate);
   const gains = rates.map((rate, k) => {
     const others = rates.filter((_, i) => i !== k), off = (zero) => minus(zero, complex(rate));
     const last = zeros.slice(zeros.length - others.length);
-    const first = bounded ? complex(1) : off(zeros[0]);
-    return lead * others.reduce((total, other, i) => product(total, scaled(off(last[i]), 1 / (other - rate))), first).re;
+    const times = (total, other, i) => product(total, scaled(off(last[i]), 1 / (other - rate)));
+    return lead * others.reduce(times, bounded ? complex(1) : off(zeros[0])).re;
   });
   for (const omega of SHAPING.felt) {
-    const power = level + sum(kept.map(({ rate, low, high }) => (low * rate ** 2 + high * omega ** 2) / (rate ** 2 + omega ** 2)));
-    const factor = rates.reduce((total, rate, k) => plus(total, quotient(complex(gains[k]), complex(rate, omega))), complex(direct));
-    if (!(Math.abs((factor.re ** 2 + factor.im ** 2) / power - 1) <= SHAPING.lost)) throw new Refusal(WORDS.unshaped);
+    const w2 = omega ** 2, at = ({ rate, low, high }) => (low * rate ** 2 + high * w2) / (rate ** 2 + w2);
+    const fading = (total, rate, k) => plus(total, quotient(complex(gains[k]), complex(rate, omega)));
+    const found = power(rates.reduce(fading, complex(direct))), asked = level + sum(kept.map(at));
+    if (!(Math.abs(found / asked - 1) <= SHAPING.lost)) throw new Refusal(WORDS.unshaped);
   }
   const low = gains.map((gain, k) => gain / rates[k]), total = direct + sum(low);
   const terms = Math.abs(direct) + sum(low.map(Math.abs));
