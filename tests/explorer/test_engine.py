@@ -36,13 +36,18 @@ def numbers(model, table):
 
 
 def drawn(rng, model, seat=False, **road):
-    """A state anywhere within its sliders; half of all cars have no tyre damping, which makes tyre loads infinite."""
+    """A state anywhere within its sliders; half of all cars have no tyre damping, which makes tyre loads infinite.
+
+    Half of all axles have tyres that do not lag behind.
+    """
     state = NOTHING.default(model)
     for table in ("vehicle", "road", "bump", *(["seat"] if seat else [])):
         own = {row.key: rng.uniform(row.least, row.most) for row in numbers(model, table)}
         state[table] = (state[table] or {}) | own
     if rng.random() < 0.5:
         state["vehicle"] |= {name: 0.0 for name in state["vehicle"] if name.startswith("ct")}
+    lags = [name for name in state["vehicle"] if name.startswith("relaxation")]
+    state["vehicle"] |= {name: 0.0 for name in lags if rng.random() < 0.5}
     state["road"] |= {"waviness": float(rng.choice(wavinesses()))} | road
     (bode,) = (row for row in NOTHING.tables[model] if row.name == "bode")
     known = [name for name in bode.options if seat or name not in bode.seated]
@@ -167,6 +172,35 @@ def test_front_and_bound_hold_for_any_springs_and_roughness_but_no_other_car_or_
         np.testing.assert_allclose(found[name]["points"], expected[name]["points"], rtol=1e-4)
     assert found["errors"] == []
     assert all("front" not in other and "susp-ss explore" in other["errors"][0]["message"] for other in others)
+
+
+def test_a_car_that_does_not_stay_on_course_is_refused_in_the_same_words(ask):
+    loose = {"cornering_front": 80e3, "cornering_rear": 40e3}
+    some = [("over", 60.0, loose), ("later", 20.0, loose), ("soft", 20.0, {"ks_front": 5053.0, "ks_rear": 5053.0})]
+    some += [("flat", 20.0, {"izz": 500.0, "mu_front": 113.0})]
+    states = {name: changed("ride-handling", **vehicle) for name, _, vehicle in some}
+    for name, speed, _ in some:
+        states[name]["road"]["speed"] = speed
+    states["soft"]["vehicle"] |= {"height": 1.2, "c": 0.45}
+    found = dict(zip(states, ask("compute", list(states.values())), strict=True))
+    for name, state in states.items():
+        expected = compute(state)
+        assert found[name]["errors"] == expected["errors"]
+        assert found[name].keys() == expected.keys()
+    for name, word in (("over", "critical"), ("later", "critical"), ("soft", "does not die out"), ("flat", "izz")):
+        assert word in found[name]["errors"][0]["message"]
+    assert "metrics" in found["later"]
+    assert "modes" not in found["flat"]
+
+
+def test_tracks_that_part_tilt_a_car_without_bound(ask):
+    state = changed("ride-handling")
+    state["road"] |= {"tracks": "independent"}
+    (found,) = ask("compute", [state])
+    expected = compute(state)
+    said = expected["errors"][0]["message"]
+    assert found["errors"][0]["message"].split(";")[0] == said[: said.index(" (")].split(";")[0]
+    assert found.keys() == expected.keys()
 
 
 def test_what_is_refused_is_said(ask):

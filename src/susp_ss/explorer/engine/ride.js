@@ -150,9 +150,10 @@ class Ride {
       on.forEach((one, k) => {
         total += one * (2 * dynamics.real(seen, cross[k]) + dot(own[k], on));
       });
-      for (let k = 0, at = 0; k < rates.length; k++) {
+      for (let k = 0; k < rates.length; k++) {
+        if (seen[k].re === 0 && seen[k].im === 0) continue;
         let x = 0, y = 0;
-        for (let l = 0; l < n; l++, at++) {
+        for (let l = 0, at = k * n; l < n; l++, at++) {
           x += re[at] * other[l].re - im[at] * other[l].im;
           y += re[at] * other[l].im + im[at] * other[l].re;
         }
