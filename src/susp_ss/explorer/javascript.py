@@ -25,6 +25,7 @@ from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, Road
 from ..vehicles.full import FullCar
+from ..vehicles.handling_model import UNMOVED
 from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.second_order import ROUNDING, SPLIT
 from ..vehicles.vehicle import Vehicle, joined
@@ -177,6 +178,7 @@ def engine(named: Iterable[str] = MODELS) -> str:
         "DAMPED": ROUNDING,
         "DRIFT": DRIFT,
         "SPLIT": SPLIT,
+        "UNMOVED": UNMOVED,
         "REFERENCE_WAVENUMBER": REFERENCE_WAVENUMBER,
         "SPEEDS": SPEEDS.tolist(),
         "FREQUENCIES": np.geomspace(*FREQUENCIES).tolist(),

@@ -36,6 +36,9 @@ NAMED = {
 }
 """Modes by the coordinate that moves most."""
 
+UNMOVED = 1e-9
+"""Of a mode's energy: a motion that holds no more does not name it."""
+
 INTEGRATORS = ("warp", "bank")
 """The warp of the road in m, and the angle in rad to which a road that stands still would bring the body."""
 
@@ -161,7 +164,7 @@ def handling_modes(model: HandlingModel) -> pd.DataFrame:
     shares /= np.abs(shares).sum(axis=0)
     worth = shares + (np.arange(len(slots)) < n)[:, None]
     of, mode = linear_sum_assignment(worth, maximize=True)
-    named = {m: slots[i] for i, m in zip(of, mode, strict=True)}
+    named = {m: slots[i] for i, m in zip(of, mode, strict=True) if shares[i, m] > UNMOVED}
     if len({"sway", "yaw"} & set(named.values())) == 1:
         named = {m: "sway and yaw" if name in ("sway", "yaw") else name for m, name in named.items()}
     table = mode_table(poles, w, coordinates)
