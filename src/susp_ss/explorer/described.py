@@ -14,7 +14,7 @@ from ..responses.positions import with_positions
 from ..roads.road import TRACKS, Road
 from ..vehicles.vehicle import Vehicle
 from .motion import motion_of
-from .rows import at_places, named
+from .rows import metrics_at_places, named
 from .spectra import own_name, response_unit, spectrum_unit, under
 
 ROTATIONS = {"wroll": "roll_acc", "wpitch": "pitch_acc"}
@@ -26,7 +26,7 @@ def described(vehicle: Vehicle, asked: tuple[str, ...]) -> dict[str, Any]:
     table, names = np.arange(len(layout.outputs)), layout.outputs.names
     public = names[layout.outputs.public]
     measured = []
-    for row in at_places(ride_metrics(vehicle, Road())):
+    for row in metrics_at_places(vehicle, Road()):
         name, _, place = row.name.partition("@")
         rows = table[layout.rates if name == "damper_power" else layout.outputs.of(name)]
         at = layout.variables[name][1].index(place)

@@ -26,8 +26,9 @@ from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, Road
 from ..vehicles.full import FullCar
 from ..vehicles.handling_model import UNMOVED
+from ..vehicles.modes import SPLIT
 from ..vehicles.ride_handling import RideHandlingCar
-from ..vehicles.second_order import ROUNDING, SPLIT
+from ..vehicles.second_order import ROUNDING
 from ..vehicles.truck import OUTSIDE, ThreeAxleTruck
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion
@@ -209,5 +210,5 @@ def engine(named: Iterable[str] = SEARCHED) -> str:
     sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
     return (
         f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
-        "(globalThis.dash_clientside ??= {}).engine = { compute, background, metrics };\n})();\n"
+        "(globalThis.dash_clientside ??= {}).engine = { answer, compute, background, metrics };\n})();\n"
     )
