@@ -107,9 +107,10 @@ class HandlingModel(LinearModel):
         )
 
     def modes(self) -> Modes:
-        """Modes of one design, each named after the motion that holds most of its energy; no name is given twice.
+        """Modes of one design, each named after the motion that holds most of its energy, none of these twice.
 
-        What has a position has a mode of its own; sway and yaw share one where they swing.
+        What has a position has a mode of its own; sway and yaw share one where they swing. More modes than motions, of
+        which a pair that creeps makes two, are named after what holds most of their energy all the same.
         """
         from scipy.optimize import linear_sum_assignment
 
