@@ -121,10 +121,8 @@ def over_frequency(scene: Scene) -> Found:
 
 def over_bump(scene: Scene) -> Found:
     """A drive over the bump, whose speed is its own: a car whose motions depend on that is another there."""
-    asked = scene.state["bump"]
-    car = scene.vehicle.moving(asked["speed"])
-    shared = not scene.vehicle.curved and (car is scene.vehicle or asked["speed"] == scene.road.speed)
-    return {"bump": bump(car, scene.model if shared else None, **asked)}
+    asked, model = scene.state["bump"], None if scene.vehicle.curved else scene.models[1]
+    return {"bump": bump(scene.vehicle.moving(asked["speed"]), model, **asked)}
 
 
 def surrogates(scene: Scene) -> Found:

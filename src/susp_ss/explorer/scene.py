@@ -75,10 +75,19 @@ class Scene:
         return self.ride.straight if self.vehicle.curved else self.vehicle
 
     @cached_property
+    def models(self) -> tuple[Model, Model]:
+        """The linear models of that on the road and over the bump, whose speeds are their own."""
+        speeds = np.array([self.road.speed, self.state["bump"]["speed"]])
+        moving = self.straight.moving(speeds)
+        if moving is self.straight:
+            return (self.straight.assemble(),) * 2
+        both = moving.flattened(moving.design_space()).assemble()
+        return both.select(slice(0, 1)), both.select(slice(1, 2))
+
+    @property
     def model(self) -> Model:
-        """The linear model of that."""
-        model: Model = self.straight.assemble()
-        return model
+        """The linear model on the road."""
+        return self.models[0]
 
     def attempt(self, part: Callable[[Self], Any]) -> Any:
         """What a part finds; None where the package refuses, which is noted."""
