@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +60,11 @@ class Motions(NamedTuple):
     kept: Array
     names: tuple[str, ...]
 
+    def select(self, designs: slice | NDArray[np.int_]) -> Motions:
+        """Those of some of the designs."""
+        rates, road, control, kept = (x[designs] for x in (self.rates, self.road, self.control, self.kept))
+        return Motions(rates, road, control, kept, self.names)
+
 
 @dataclass(frozen=True)
 class HandlingLayout(LinearLayout):
@@ -85,6 +90,10 @@ class HandlingModel(LinearModel):
     carcass: Array
     speed: Array
     critical: Array
+
+    def select(self, designs: slice | NDArray[np.int_]) -> Self:
+        """Some of the designs."""
+        return replace(super().select(designs), all_motions=self.all_motions.select(designs))
 
     def controls(self) -> tuple[Array, Array]:
         """How steering angles and drive torques drive the states, and outputs."""
