@@ -98,14 +98,3 @@ def test_a_thread_of_its_own_answers_part_by_part_and_only_what_was_asked_last(b
     ]
     assert parts[-1] == ask("background", [last])[0]
     page.close()
-
-
-def test_parts_are_told_as_they_are_found(ask):
-    told = """(state) => {
-        const parts = [];
-        return [dash_clientside.engine.background(state, (part) => parts.push(part)), parts];
-    }"""
-    found, parts = ask.page.evaluate(told, changed("quarter", ms=400.0))
-    assert [set(part) for part in parts] == [{"carpet", "errors", "more"}, {"carpet", "front", "errors", "more"}]
-    assert set(found) == {"carpet", "front", "bound", "errors"}
-    assert all(part[name] == found[name] for part in parts for name in part.keys() - {"more"})
