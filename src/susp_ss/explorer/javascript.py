@@ -35,7 +35,7 @@ from . import motion
 from .background import FACTORS, background, conditions
 from .compute import SPEEDS
 from .described import described, placed, refusal
-from .moving import WORDS, moving, said
+from .moving import moving, said, words
 from .seat import seated
 from .spectra import FREQUENCIES
 from .state import NOTHING
@@ -201,7 +201,7 @@ def engine(named: Iterable[str] = SEARCHED) -> str:
             "background": "front and best law: of the car and road as they begin; susp-ss explore has them of any",
             "drifting": refusal(FullCar(), Road(waviness=3.0, tracks="independent")),
             "middle": f"{ThreeAxleTruck.__name__}{OUTSIDE}",
-            **WORDS,
+            **words(),
             "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },
     }
