@@ -34,7 +34,7 @@ from . import motion, search
 from .background import FACTORS
 from .compute import SPEEDS
 from .described import described, placed, refusal
-from .moving import WORDS, moving, said
+from .moving import moving, said, words
 from .seat import seated
 from .spectra import FREQUENCIES
 from .state import NOTHING
@@ -174,7 +174,7 @@ def engine() -> str:
             **search.words(),
             "drifting": refusal(FullCar(), Road(waviness=3.0, tracks="independent")),
             "middle": f"{ThreeAxleTruck.__name__}{OUTSIDE}",
-            **WORDS,
+            **words(),
             "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },
     }

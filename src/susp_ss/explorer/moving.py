@@ -25,12 +25,16 @@ from .symbols import Lines
 AGAINST = ("phi", "y", "psi")
 """Motions of the body that left and right have against one another."""
 
-WORDS = {
-    "izz": f"{RideHandlingCar.__name__}{LACKING}",
-    "critical": f"{RideHandlingCar.__name__} {OVER_CRITICAL}",
-    "lasting": f"{RideHandlingCar.__name__} {LASTING}",
-    "parting": refusal(RideHandlingCar(), Road(tracks="independent")),
-}
+
+def words() -> dict[str, str]:
+    """What is said of cars that are refused, with names in place of numbers."""
+    kind = RideHandlingCar.__name__
+    return {
+        "izz": f"{kind}{LACKING}",
+        "critical": f"{kind} {OVER_CRITICAL}",
+        "lasting": f"{kind} {LASTING}",
+        "parting": refusal(RideHandlingCar(), Road(tracks="independent")),
+    }
 
 
 def moving(vehicle: RideHandlingCar) -> str:
@@ -39,65 +43,21 @@ def moving(vehicle: RideHandlingCar) -> str:
     Where an axle has a relaxation length, there are states that lag behind: each case is a function of its own.
     """
     cases = [_assembled(vehicle, front, rear) for rear in (False, True) for front in (False, True)]
-    return f"(p) => [{', '.join(cases)}][(p.relaxation_fr > 0) + 2 * (p.relaxation_rr > 0)](p)"
+    chosen = "(p) => cases[(p.relaxation_fr > 0) + 2 * (p.relaxation_rr > 0)](p)"
+    return f"((cases) => {chosen})([{', '.join(cases)}])"
 
 
 def _assembled(vehicle: RideHandlingCar, front: bool, rear: bool) -> str:
-    lines, kind = Lines(), type(vehicle)
-    car: Any = object.__new__(kind)
-    for field in kind.quantities():
-        if getattr(vehicle, field) is None:
-            value = None
-        elif field in kind.per_corner:
-            # Both wheels of an axle have what its right one has.
-            right: list[Any] = [lines.given(f"p.{signal(field, wheel)}") for wheel in ("fr", "rr")]
-            if field == "relaxation":
-                right = [own if late else 0.0 for own, late in zip(right, (front, rear), strict=True)]
-            value = joined(dict(zip(kind.wheels, np.repeat(np.array(right, dtype=object), 2), strict=True)))
-        else:
-            value = lines.given(f"p.{field}")
-        object.__setattr__(car, field, value)
+    lines = Lines()
+    car = _traced(vehicle, lines, front, rear)
     own = Assembly(car)
-    ride, rows = own.ride, own.rows
-    forces, _ = own.forces()
-    acceleration, felt, passing, _ = own.outputs()
-    lag, _ = own.lag()
-    stretch = own.transferred(ride.elongation)
-    at_wheels = [name.removeprefix("spin_") for name in rows.names[-4:]]
-    lags = [f"late_{wheel}" for wheel, late in zip(at_wheels, own.lagging, strict=True) if late]
-    positions = rows.names[: own.positions]
-    rates, slips = [f"d{name}" for name in positions], [f"slip_{wheel}" for wheel in at_wheels]
-    states = [*positions, *rates, "y", "psi", *slips, *lags]
-    paths = {motion_of(vehicle, name)[1]: i for i, name in enumerate(positions)}
-    shown = [paths[tuple(at) if at[0] == "wheels" else (at[-1],)] for _, at in placed(vehicle)]
-    halves = []
-    for P, V, S, slid, late in zip(*map(split, (positions, rows.names, states, slips, lags)), strict=True):
-        halves.append(
-            {
-                "M": V.T @ own.M[0] @ V,
-                "K": P.T @ own.K[0] @ P,
-                "K_ride": P.T @ ride.K @ P,
-                "lean": P.T @ np.where(np.array(positions) == "phi", own.leaning[0], 0.0),
-                "forces": V.T @ forces[0] @ S,
-                "K_in": P.T @ ride.K_in,
-                "C_in": P.T @ ride.C_in,
-                "slips": inverse(slid) @ own.forms[1][0] @ V,
-                "lag": inverse(late) @ lag[0] @ S,
-                "acceleration": acceleration[0] @ V,
-                "felt": felt[0] @ S,
-                "stretch": stretch[0] @ ride.R @ P,
-                "places": np.eye(len(positions))[shown] @ P,
-                "motions": V,
-                "lags": late,
-            }
-        )
     return lines.function(
         {
-            "halves": halves,
-            "on_road_velocity": passing[0],
-            "resting": stretch[0] @ ride.N,
-            "integrators": ride.integrators,
-            "damping": ride.damping,
+            "halves": _halves(vehicle, own),
+            "on_road_velocity": own.outputs()[2][0],
+            "resting": own.transferred(own.ride.elongation)[0] @ own.ride.N,
+            "integrators": own.ride.integrators,
+            "damping": own.ride.damping,
             "carcass": own.carcass()[0],
             "gradient": car.gradient(),
             "least_izz": car.least_izz,
@@ -105,6 +65,57 @@ def _assembled(vehicle: RideHandlingCar, front: bool, rear: bool) -> str:
             "behind": list(car.axles),
         }
     )
+
+
+def _traced(vehicle: RideHandlingCar, lines: Lines, front: bool, rear: bool) -> Any:
+    """The car with parameters that write down what is done with them, those of its right wheels on both sides."""
+    kind = type(vehicle)
+    car: Any = object.__new__(kind)
+    for field in kind.quantities():
+        value: Any = None
+        if field in kind.per_corner:
+            right: list[Any] = [lines.given(f"p.{signal(field, wheel)}") for wheel in ("fr", "rr")]
+            if field == "relaxation":
+                right = [own if late else 0.0 for own, late in zip(right, (front, rear), strict=True)]
+            value = joined(dict(zip(kind.wheels, np.repeat(np.array(right, dtype=object), 2), strict=True)))
+        elif getattr(vehicle, field) is not None:
+            value = lines.given(f"p.{field}")
+        object.__setattr__(car, field, value)
+    return car
+
+
+def _halves(vehicle: RideHandlingCar, own: Assembly) -> list[dict[str, Any]]:
+    """What both sides do together, and what they do against one another."""
+    ride, names = own.ride, own.rows.names
+    positions, at_wheels = names[: own.positions], tuple(own.wheels)
+    slips = [f"slip_{wheel}" for wheel in at_wheels]
+    lags = [f"late_{wheel}" for wheel, late in zip(at_wheels, own.lagging, strict=True) if late]
+    states = [*positions, *(f"d{name}" for name in positions), "y", "psi", *slips, *lags]
+    paths = {motion_of(vehicle, name)[1]: i for i, name in enumerate(positions)}
+    shown = [paths[tuple(at) if at[0] == "wheels" else (at[-1],)] for _, at in placed(vehicle)]
+    leaning = np.where(np.array(positions) == "phi", own.leaning[0], 0.0)
+    stretch = own.transferred(ride.elongation)[0] @ ride.R
+    (forces, _), (lag, _), (acceleration, felt, _, _) = own.forces(), own.lag(), own.outputs()
+    return [
+        {
+            "M": V.T @ own.M[0] @ V,
+            "K": P.T @ own.K[0] @ P,
+            "K_ride": P.T @ ride.K @ P,
+            "lean": P.T @ leaning,
+            "forces": V.T @ forces[0] @ S,
+            "K_in": P.T @ ride.K_in,
+            "C_in": P.T @ ride.C_in,
+            "slips": inverse(slid) @ own.forms[1][0] @ V,
+            "lag": inverse(late) @ lag[0] @ S,
+            "acceleration": acceleration[0] @ V,
+            "felt": felt[0] @ S,
+            "stretch": stretch @ P,
+            "places": np.eye(len(positions))[shown] @ P,
+            "motions": V,
+            "lags": late,
+        }
+        for P, V, S, slid, late in zip(*map(split, (positions, names, states, slips, lags)), strict=True)
+    ]
 
 
 def said(vehicle: RideHandlingCar) -> dict[str, Any]:

@@ -123,24 +123,17 @@ function schur(H, Z) {
 }
 
 // Modes of x' = A x: their rates, and of each the column of V and the row of W = V^-1, both complex; of a pair of
-// conjugates the one that turns forwards. `condition` is what errors of A grow by in it. A part that `like`, the modes of
-// a similar matrix, has with the same numbers is not computed again.
-function modesOf(A, like = []) {
-  const known = new Set(like.map(({ of }) => of));
+// conjugates the one that turns forwards. `condition` is what errors of A grow by in it.
+function modesOf(A) {
   return coupled(A).flatMap((rows) => {
-    const own = rows.map((i) => Float64Array.from(rows, (j) => A[i][j]));
-    const same = ({ rows: others, numbers }) => others.length === rows.length
-      && rows.every((row, i) => others[i] === row && own[i].every((one, j) => one === numbers[i][j]));
-    const before = [...known].find(same);
-    if (before) return like.filter(({ of }) => of === before);
-    const of = { rows, numbers: own.map((row) => Float64Array.from(row)) };
-    return eigen(own).map(({ rate, V, W, condition }) => {
-      const [whole, back] = [V, W].map((x) => {
-        const y = A.map(() => complex(0));
-        rows.forEach((i, at) => (y[i] = x[at]));
-        return y;
+    const found = eigen(rows.map((i) => Float64Array.from(rows, (j) => A[i][j])));
+    return found.map(({ rate, V, W, condition }) => {
+      const [column, row] = [V, W].map((x) => {
+        const whole = A.map(() => complex(0));
+        rows.forEach((i, at) => (whole[i] = x[at]));
+        return whole;
       });
-      return { rate, V: whole, W: back, condition, of };
+      return { rate, V: column, W: row, condition };
     });
   });
 }

@@ -4,13 +4,14 @@ class MovingCar extends Ride {
   constructor(model, parameters, like = null) {
     super(model, parameters);
     if (this.impossible()) return;
-    this.halves = this.halves.map((own, i) => half(own, like?.halves[i].modes));
+    // What both sides do together is the same at any speed, but for sliding that no road stirs up.
+    this.halves = [like?.halves[0] ?? half(this.halves[0]), half(this.halves[1])];
     this.modes = this.halves.flatMap(({ modes }, at) => modes.map((mode) => ({ ...mode, at })));
     const nothing = ({ A }) => A.map(() => complex(0));
     const W = this.modes.map(({ W, at }) => this.halves.flatMap((own, i) => (i === at ? W : nothing(own))));
     this.dynamics = new Modes(this.modes.map(({ rate }) => rate), W);
     this.entering = this.corners.map((_, wheel) => this.halves.flatMap(({ B }) => B.map((row) => row[wheel])));
-    this.seen = this.on_road_velocity.map((_, i) => this.seenBy(({ C }) => C[i]));
+    this.seen = this.on_road_velocity.map((_, i) => this.halves.flatMap(({ seen }) => seen[i]));
     this.on_road_velocity = this.added(({ D }) => D, this.on_road_velocity);
     // The warp of the road, and the angle to which a road that stands still would bring the body.
     const still = this.added(({ stretch, K_ride, K_in }) => multiply(stretch, standing(K_ride, K_in)), this.resting);
@@ -18,7 +19,7 @@ class MovingCar extends Ride {
     leant[this.roll.row][0] = 1;
     const warps = warped(still, this.integrators);
     this.on_integrators = warps.map((row, i) => Float64Array.of(...row, leant[i][0]));
-    this.integrators = [...this.integrators, this.halves.at(-1).G[this.roll.at]];
+    this.integrators = [...this.integrators, this.halves[1].G[this.roll.at]];
     this.slots = [...this.motion_slots, ...this.carcass.map(() => "relaxation")];
   }
 
@@ -91,7 +92,7 @@ const square = (rows, column) => sum(rows.map((row) => row[column] ** 2));
 // One half: states s are the positions p relative to the road, their rates, what else of the velocities forces depend on,
 // how the tyres slide, and what lags behind; s' = A s + B z', y = C s + D z', and what `speeds` make of s are the rates
 // of all velocities.
-function half(own, like) {
+function half(own) {
   const { M, K, forces, K_in, C_in, slips, lag, acceleration, felt } = own, n = K.length, size = forces[0].length;
   const solved = inverted(M), by = (columns) => transpose(columns.map(solved));
   const speeds = by(transpose(forces)), G = standing(K, K_in);
@@ -108,9 +109,10 @@ function half(own, like) {
   ];
   const C = multiply(acceleration, speeds);
   C.forEach((row, i) => add(row, felt[i], 1));
-  let modes = modesOf(A, like);
+  let modes = modesOf(A);
   if (!modes.every(({ condition }) => condition < PARALLEL)) {
     modes = modesOf(A.map((row, i) => Float64Array.from(row, (one, j) => (i === j ? one * (1 - ASIDE) : one))));
   }
-  return { ...own, G, A, B, C, D: multiply(acceleration, moved), speeds, modes };
+  const seen = C.map((row) => modes.map(({ V }) => applied(row, V)));
+  return { ...own, G, A, B, D: multiply(acceleration, moved), speeds, modes, seen };
 }
