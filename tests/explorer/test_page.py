@@ -162,6 +162,21 @@ def test_curves_seats_and_other_models(tab):
     assert all(("%" in mode) != mode.startswith("seat") for mode in modes)  # The design to compare with has none.
 
 
+def test_a_seat_that_is_taken_away_takes_its_outputs_along(tab):
+    asked = {"seat_mass": "75", "carpet_y": "bacc@driver", "bode": "dtl@fr,bacc@driver"}
+    tab.go(f"?{'&'.join(map('='.join, asked.items()))}")
+    offered = "!document.querySelector('#bode-set input[value=\\'bacc@driver\\']').parentNode.hidden"
+    assert tab.evaluate(offered)
+    tab.locator("input[name=seat]").evaluate("box => box.click()")
+    tab.wait_for_selector(IDLE)
+    assert query(tab) == {"bode": "dtl@fr"}
+    assert tab.locator("#errors").inner_text() == ""
+    assert not tab.evaluate(offered)
+    tab.locator("#undo").click()
+    until(tab, "location.search.includes('seat_mass')")
+    assert asked.items() <= query(tab).items()
+
+
 def test_undo_redo_and_back(tab):
     tab.go("?model=quarter")
     assert tab.locator("#undo").is_disabled()
@@ -231,6 +246,9 @@ def test_bad_urls(tab):
         field.press("Enter")
         assert field.get_attribute("aria-invalid") == "true"
         assert "ks_front must be a number from 5.053 to 74.553 kN/m, got" in tab.locator("#errors").inner_text()
+    press(tab, "ks_rear", "ArrowRight")  # Whatever moves, what was typed in vain is gone.
+    assert tab.locator("#errors").inner_text() == ""
+    assert (field.input_value(), field.get_attribute("aria-invalid")) == ("18.55", "false")
     field.fill("20.5")
     field.press("Enter")
     tab.wait_for_selector(IDLE)
@@ -239,6 +257,9 @@ def test_bad_urls(tab):
     tab.go(f"?{'&'.join(['pin=ks_front%3D20000'] * 5)}")
     assert tab.locator("#errors").inner_text() == "pin must be at most 4 designs, got 5"
     assert tab.locator("#pins li").count() == 4
+    tab.go("?pin=model%3Dtank&pin=ks_front%3D20000")
+    assert "got 'tank'" in tab.locator("#errors").inner_text()
+    assert tab.locator("#pins li").count() == 1  # A design of no model is none.
     assert tab.evaluate(
         "document.querySelector('#metrics').scrollWidth <= document.querySelector('#metrics').clientWidth"
     )

@@ -88,6 +88,19 @@ def test_what_is_wrong_is_said_in_one_line_and_the_rest_stands(text, message):
     assert checked(state) == (state, [])
 
 
+def test_an_address_with_pins_holds_the_state_that_they_are_compared_with():
+    own, pins = "model=quarter&ks=20000", "pin=model%3Dquarter%26ks%3D1&pin=model%3Dtank"
+    expected = from_query(own)
+    for text in (f"{own}&{pins}", f"{pins}&{own}", f"http://127.0.0.1:8050/?{own}&{pins}#top", f"/?{own}", f"?{own}"):
+        assert from_query(text) == expected
+    assert from_query("http://127.0.0.1:8050/") == from_query("")
+
+
+def test_what_is_asked_for_beside_an_absent_seat_stands():
+    state, _ = from_query("bode=dtl@fr,bacc@driver&carpet_y=seat_travel@driver")
+    assert state == NOTHING.default() | {"bode": ["dtl@fr"]}
+
+
 ANY = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),

@@ -80,11 +80,18 @@ explorer.controls = (() => {
 
   const control = (row) => (row.kind === "choice" ? (row.several ? boxes(row) : choice(row)) : slider(row));
 
+  // Whether an option is of the seat, and there is none.
+  const absent = (row, option, state) => !state.seat && row.seated.includes(option);
+
   function choice(row) {
     const options = row.options.map((option) => html("option", { value: option }, explorer.words.output(option)));
     const select = html("select", { name: row.name }, ...options);
     select.addEventListener("change", () => changed(row, select.value));
-    show.push((state) => (select.value = explorer.state.get(state, row)));
+    show.push((state) => {
+      [...select.options].forEach((option) => (option.hidden = option.disabled = absent(row, option.value, state)));
+      select.value = explorer.state.get(state, row);
+      select.title = select.selectedOptions[0].textContent;
+    });
     const caption = explorer.words.symbols(explorer.words.sentence(row.label));
     return html("label", { class: "choice" }, html("span", {}, ...caption), select);
   }
@@ -97,7 +104,10 @@ explorer.controls = (() => {
     }
     show.push((state) => {
       const value = explorer.state.get(state, row);
-      for (const box of each) box.checked = value.includes(box.value);
+      for (const box of each) {
+        box.checked = value.includes(box.value);
+        box.parentNode.hidden = absent(row, box.value, state);
+      }
     });
     const labels = each.map((box) => html("label", {}, box, explorer.words.output(box.value)));
     return html("fieldset", { class: "boxes" }, html("legend", {}, explorer.words.sentence(row.label)), ...labels);
@@ -143,7 +153,8 @@ explorer.controls = (() => {
     });
     show.push((state) => {
       const value = explorer.state.get(state, row);
-      if (value === undefined || value === null || value === range.shown) return;
+      const right = field.getAttribute("aria-invalid") !== "true";
+      if (value === undefined || value === null || (value === range.shown && right)) return;
       range.shown = value;
       range.value = along(value);
       field.value = digits(value);

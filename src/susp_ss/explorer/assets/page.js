@@ -112,6 +112,7 @@ explorer.page = (() => {
   function move(name, next) {
     here = { ...here, ...next };
     address = [];
+    wrong.clear();
     explorer.steps.move(name, explorer.state.write(here));
     shown();
   }
@@ -121,7 +122,7 @@ explorer.page = (() => {
     if (!row.whole) explorer.state.put(state, row, value);
     else if (value) explorer.state.begin(state, row.name);
     else state[row.name] = null;
-    wrong.delete(row.name);
+    explorer.state.unseated(state);
     move(row.kind === "number" ? row.name : null, { state });
   }
 
@@ -210,6 +211,7 @@ explorer.page = (() => {
     const { errors, ...found } = explorer.state.read(location.search);
     here = found;
     address = errors;
+    wrong.clear();
     shown();
   }
 
