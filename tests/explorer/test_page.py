@@ -3,6 +3,7 @@
 import contextlib
 import re
 import threading
+import types
 from urllib.parse import parse_qs, urlsplit
 
 import matplotlib.image
@@ -23,7 +24,7 @@ def carpet(conditions, given):
     """In place of the background, which takes seconds: three designs in a plane, and what bounds them."""
     return {
         "carpet": {"designs": [[[4e-3, 0.6], [5e-3, 0.5]]]},
-        "front": {"points": [[4e-3, 0.5], [6e-3, 0.4]]},
+        "front": {"points": [[4e-3, 0.5], [6e-3, 0.4]], "designs": [{"ks": 12e3, "cs": 2e3}, {"ks": 2e4, "cs": 900.0}]},
         "bound": {"points": [[4e-3, 0.3], [6e-3, 0.2]]},
         "errors": [],
     }
@@ -177,6 +178,25 @@ def test_a_seat_that_is_taken_away_takes_its_outputs_along(tab):
     assert asked.items() <= query(tab).items()
 
 
+def test_a_point_of_the_front_is_a_design_to_take(tab):
+    """By key and by pointer; who sits on a seat is drawn, and the one point of the car has a name beside it."""
+    tab.go("?model=quarter&seat_mass=75")
+    first, second = tab.locator(".point.best").all()
+    assert first.get_attribute("aria-label") == (
+        "Take the design of spring stiffness K_s 12.0 kN/m; damping rate C_s 2.00 kN s/m"
+    )
+    first.press("Enter")
+    tab.wait_for_selector(IDLE)
+    own = ss.QuarterCarWithSeat(ks=12e3, cs=2e3, seat_mass=75.0)
+    shown, _, start = row(tab, "Body vertical", "body")
+    assert near(shown, ss.ride_metrics(own, ROAD).bacc.sel(point="body"))
+    assert near(start, ss.ride_metrics(ss.QuarterCar(), ROAD).bacc)
+    assert tab.locator("#modes .rider").count() == tab.locator("#modes figure").count()
+    second.click()
+    until(tab, "location.search.includes('cs=900')")
+    assert query(tab).items() >= {"ks": "20000", "cs": "900"}.items()
+
+
 def test_undo_redo_and_back(tab):
     tab.go("?model=quarter")
     assert tab.locator("#undo").is_disabled()
@@ -266,9 +286,14 @@ def test_bad_urls(tab):
 
 
 def test_a_system_has_what_there_is_of_it(browser):
-    system = Given(ss.LinearVehicle(ss.QuarterCar(ks=21e3).state_space()))
+    full = types.SimpleNamespace(inputs={"ks_front": "N/m"})
+    system = Given(ss.LinearVehicle(ss.QuarterCar(ks=21e3).state_space()), surrogates={"full.json": full})
     with serving(system) as address, visit(browser, address) as tab:
         tab.go()
+        assert "full.json needs ks_front, which LinearVehicle has not" in " ".join(
+            tab.locator("#surrogates tbody").inner_text().split()
+        )
+        assert tab.locator("#errors").inner_text() == ""
         assert near(row(tab, "Body vertical")[0], ss.ride_metrics(ss.QuarterCar(ks=21e3), ROAD).bacc)
         assert not tab.locator("#panel-modes").is_visible()
         tab.get_by_label("Model").select_option("quarter")

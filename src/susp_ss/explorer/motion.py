@@ -90,6 +90,7 @@ def bump(vehicle: RoadVehicle, height: float, length: float, speed: float) -> di
     """
     profile = obstacle("bump", height, length, before=BEFORE * speed, after=AFTER * speed + vehicle.axles[-1])
     known = isinstance(vehicle, Vehicle)
+    seats = vehicle.linkage().seats if isinstance(vehicle, Vehicle) else {}
     ride = simulate(vehicle, profile, speed=speed, step=min(STEP, length / speed / OVER), positions=known)
     shown = slice(None, None, max(1, len(ride.time) // SHOWN))
 
@@ -108,6 +109,7 @@ def bump(vehicle: RoadVehicle, height: float, length: float, speed: float) -> di
         "x": (ride.x.values[shown] - BEFORE * speed).tolist(),
         "body": body if known else {},
         "wheels": at("z_u", "corner"),
+        "seats": {name: z for name, z in at("z_s", "point").items() if name in seats},
         "ground": at("z_r", "corner"),
         "acceleration": next(iter(at("bacc", "point").values()), []),
     }

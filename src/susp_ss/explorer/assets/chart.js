@@ -18,6 +18,7 @@ explorer.Chart = class {
     this.host = host;
     this.grid = svg("g", { class: "grid" });
     this.marks = svg("g", { "clip-path": `url(#clip-${host.id})` });
+    this.offers = svg("g");
     this.title = svg("text", { class: "title", x: 2, y: 12 });
     this.under = svg("text", { class: "under", "text-anchor": "end" });
     this.cursor = svg("path", { class: "cursor" });
@@ -25,7 +26,7 @@ explorer.Chart = class {
     this.inside = svg("rect");
     this.picture = svg("svg", { role: "img" });
     const clip = svg("clipPath", { id: `clip-${host.id}` }, this.inside);
-    this.picture.append(clip, this.grid, this.marks, this.cursor, this.title, this.under, this.reading);
+    this.picture.append(clip, this.grid, this.offers, this.marks, this.cursor, this.title, this.under, this.reading);
     this.drawn = new Map();
     host.replaceChildren(this.picture);
     new ResizeObserver(() => this.measure()).observe(host);
@@ -71,20 +72,35 @@ explorer.Chart = class {
     }
     for (const point of shown.points || []) {
       const [px, py, r] = [x.at(point.x[0]), y.at(point.y[0]), 4.5];
-      this.mark(kept, point, `M${px - r},${py}a${r},${r} 0 1 0 ${2 * r},0a${r},${r} 0 1 0 ${-2 * r},0Z`);
+      const circle = `M${px - r},${py}a${r},${r} 0 1 0 ${2 * r},0a${r},${r} 0 1 0 ${-2 * r},0Z`;
+      const element = this.mark(kept, point, circle, point.act ? this.offers : this.marks);
+      if (point.act) explorer.Chart.offer(element, point);
     }
     for (const [key, element] of this.drawn) {
       if (!kept.has(key)) (element.remove(), this.drawn.delete(key));
     }
+    this.picture.setAttribute("role", this.offers.hasChildNodes() ? "group" : "img");
     if (shown.at !== undefined) this.point(shown.at);
   }
 
-  mark(kept, { key, style }, path) {
+  mark(kept, { key, style }, path, into = this.marks) {
     let element = this.drawn.get(key);
-    if (!element) this.drawn.set(key, (element = this.marks.appendChild(explorer.svg("path"))));
+    if (!element) this.drawn.set(key, (element = into.appendChild(explorer.svg("path"))));
     if (element.getAttribute("class") !== style) element.setAttribute("class", style);
     element.setAttribute("d", path);
     kept.add(key);
+    return element;
+  }
+
+  // A point that can be taken, by pointer or key, and says what it is.
+  static offer(element, { words, act }) {
+    element.onclick = act;
+    element.onkeydown = (event) => ["Enter", " "].includes(event.key) && (event.preventDefault(), act());
+    if (element.getAttribute("aria-label") === words) return;
+    for (const [key, value] of Object.entries({ role: "button", tabindex: 0, "aria-label": words })) {
+      element.setAttribute(key, value);
+    }
+    element.replaceChildren(explorer.svg("title", {}, words));
   }
 
   static path(line, x, y) {

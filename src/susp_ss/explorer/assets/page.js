@@ -178,6 +178,17 @@ explorer.page = (() => {
     draw();
   }
 
+  // Springs and dampers by name, within the reach of their sliders.
+  function take(design) {
+    const state = structuredClone(here.state);
+    for (const row of explorer.state.rows(state.model)) {
+      if (row.table !== "vehicle" || !(row.key in design)) continue;
+      const value = Number(design[row.key].toPrecision(6));
+      explorer.state.put(state, row, Math.min(row.most, Math.max(row.least, value)));
+    }
+    move(null, { state });
+  }
+
   function refuse(name, message) {
     if (message) wrong.set(name, message);
     else wrong.delete(name);
@@ -312,7 +323,7 @@ explorer.page = (() => {
     draw(["carpet"]);
   }
 
-  return { start, answered, answeredSlowly, refuse };
+  return { start, answered, answeredSlowly, refuse, take };
 })();
 
 window.dash_clientside = Object.assign(window.dash_clientside || {}, {
