@@ -285,16 +285,24 @@ def test_bad_urls(tab):
     )
 
 
-def test_a_system_has_what_there_is_of_it(browser):
+def test_a_system_and_a_measured_road_have_what_there_is_of_them(browser):
     full = types.SimpleNamespace(inputs={"ks_front": "N/m"})
-    system = Given(ss.LinearVehicle(ss.QuarterCar(ks=21e3).state_space()), surrogates={"full.json": full})
+    measured = ss.Road.two_slope(roughness=90e-6, tracks="isotropic")
+    car = ss.LinearVehicle(ss.QuarterCar(ks=21e3).state_space())
+    system = Given(car, measured, "measured.csv", surrogates={"full.json": full})
     with serving(system) as address, visit(browser, address) as tab:
         tab.go()
         assert "full.json needs ks_front, which LinearVehicle has not" in " ".join(
             tab.locator("#surrogates tbody").inner_text().split()
         )
         assert tab.locator("#errors").inner_text() == ""
-        assert near(row(tab, "Body vertical")[0], ss.ride_metrics(ss.QuarterCar(ks=21e3), ROAD).bacc)
+        classes = tab.get_by_label("measured.csv")
+        for chosen, road in (("C", ss.Road.iso8608("C", tracks="isotropic")), ("measured", measured)):
+            classes.select_option(chosen)
+            tab.wait_for_selector(IDLE)
+            assert classes.input_value() == chosen
+            assert near(row(tab, "Body vertical")[0], ss.ride_metrics(ss.QuarterCar(ks=21e3), road).bacc)
+        assert query(tab) == {}
         assert not tab.locator("#panel-modes").is_visible()
         tab.get_by_label("Model").select_option("quarter")
         tab.wait_for_selector("#modes figure")

@@ -226,6 +226,14 @@ def test_what_cannot_be_begun_with_is_refused_in_one_line(run, arguments):
     assert len(ran.err.splitlines()) == 1
 
 
+def test_columns_that_nothing_tells_are_to_be_named_elsewhere(run, tmp_path):
+    path = tmp_path / "road.csv"
+    path.write_text("s,one,two\n0,0.001,0.002\n1,0.002,0.001\n")
+    ran = run("explore", "--no-browser", "--road", path)
+    assert ran.code == 2
+    assert ran.err.endswith("by --x, --left and --right of susp-ss road read, whose --out is taken here\n")
+
+
 def test_dash_that_is_missing_is_said_with_the_command_that_installs_it(run, monkeypatch):
     monkeypatch.setitem(sys.modules, "dash", None)
     ran = run("explore", "--no-browser")

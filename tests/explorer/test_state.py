@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import susp_ss as ss
 from explored import states
+from susp_ss.explorer.design import road_of
 from susp_ss.explorer.state import MODELS, NOTHING, Given, checked, from_query, query
 from susp_ss.explorer.table import Choice, Number
 from susp_ss.vehicles.files import model_named
@@ -65,6 +66,17 @@ def test_what_a_model_does_not_take_is_not_offered():
     assert "seat_y" not in names["pitch-half"]
     assert not {"seat_x", "seat_y"} & names["quarter"]
     assert "waviness" not in {row.name for row in Given(road=ss.Road.two_slope()).tables["full"]}
+
+
+def test_a_measured_road_is_a_choice_beside_the_classes():
+    measured = ss.Road.two_slope(speed=25.0, tracks="independent")
+    given = Given(road=measured, profile="measured.csv")
+    assert road_of(given.default(), given) == measured
+    state, errors = from_query("spectrum=ISO+8608&roughness=0.000256", given)
+    assert errors == []
+    assert road_of(state, given) == ss.Road.iso8608("C", speed=25.0, tracks="independent")
+    assert from_query(query(state, given), given) == (state, [])
+    assert "spectrum" not in {row.name for row in NOTHING.tables["full"]}
 
 
 WRONG = {

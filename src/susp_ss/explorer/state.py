@@ -38,12 +38,15 @@ class Given:
         Of a file, for the model ``"file"``.
     road : Road, optional
         Where the road begins; a measured one keeps its spectrum.
+    profile : str
+        What the road was measured by, in words; the page may then choose between its spectrum and a class's.
     surrogates : mapping of str to SuspensionSurrogate
         By the name of their file.
     """
 
     vehicle: RoadVehicle | None = None
     road: Road = DEFAULT_ROAD
+    profile: str = ""
     surrogates: Mapping[str, Any] = dataclasses.field(default_factory=dict)
 
     @cached_property
@@ -55,7 +58,7 @@ class Given:
     @cached_property
     def tables(self) -> dict[str, tuple[Number | Choice, ...]]:
         """For each model, what the page may set."""
-        return {name: rows(car, self.road) for name, car in self.models.items()}
+        return {name: rows(car, self.road, self.profile) for name, car in self.models.items()}
 
     def default(self, model: str | None = None) -> dict[str, Any]:
         """The state in which nothing is set."""

@@ -117,9 +117,9 @@ explorer.page = (() => {
     shown();
   }
 
-  function set(row, value) {
+  function set(row, value, more = []) {
     const state = structuredClone(here.state);
-    if (!row.whole) explorer.state.put(state, row, value);
+    if (!row.whole) for (const pair of [[row, value], ...more]) explorer.state.put(state, ...pair);
     else if (value) explorer.state.begin(state, row.name);
     else state[row.name] = null;
     explorer.state.unseated(state);
