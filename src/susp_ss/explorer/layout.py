@@ -1,4 +1,4 @@
-"""What stands on the explorer's page before its scripts fill it: stores, buttons and a panel a picture."""
+"""What stands on the explorer's page before its scripts fill it: its tables, buttons and a panel a picture."""
 
 from __future__ import annotations
 
@@ -49,19 +49,11 @@ ELSEWHERE = "Files, damper curves, cars of your own: susp-ss explore"
 
 
 def layout(given: Given, files: bool = True) -> Any:
-    """The page: the stores ``state``, ``results``, ``conditions`` and ``background``, and what scripts fill.
-
-    Scripts write ``state`` and ``conditions``; `compute` of the one is ``results``, `background` of the other
-    ``background``. ``files`` are there to download.
-    """
+    """The page: the store ``table``, which its scripts begin with, and what they fill. ``files`` are to download."""
     from dash import dcc, html
 
     return html.Div(
         [
-            dcc.Store(id="state"),
-            dcc.Store(id="results"),
-            dcc.Store(id="conditions"),
-            dcc.Store(id="background"),
             dcc.Store(id="table", data=given.document() | {"words": _words(given)}),
             html.Header(_header(files), id="head"),
             html.Ul(id="errors", role="alert"),
