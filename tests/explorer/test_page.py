@@ -181,6 +181,7 @@ def test_a_seat_that_is_taken_away_takes_its_outputs_along(tab):
 def test_a_point_of_the_front_is_a_design_to_take(tab):
     """By key and by pointer; who sits on a seat is drawn, and the one point of the car has a name beside it."""
     tab.go("?model=quarter&seat_mass=75")
+    tab.wait_for_selector("#carpet[aria-busy=false]")
     first, second = tab.locator(".point.best").all()
     assert first.get_attribute("aria-label") == (
         "Take the design of spring stiffness K_s 12.0 kN/m; damping rate C_s 2.00 kN s/m"
