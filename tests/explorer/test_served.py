@@ -72,6 +72,13 @@ def part(found, whole):
     return found == whole
 
 
+@pytest.mark.parametrize("data", [b"", b"junk", b"null", b'{"output": "results.data"}'])
+def test_dash_has_nothing_to_answer(client, data):
+    answer = client.post("/_dash-update-component", data=data, content_type="application/json")
+    assert answer.status_code == 400
+    assert b"no callback of Dash" in answer.data
+
+
 @pytest.mark.parametrize("question", [None, [], {"state": {}}, {"state": {}, "pins": {}}, {"pins": []}], ids=str)
 def test_what_is_no_question_is_refused_in_one_line(client, question):
     answer = client.post("/answer", data=json.dumps(question), content_type="application/json")
