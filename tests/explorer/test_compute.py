@@ -234,6 +234,12 @@ def test_a_car_that_spins_at_some_speed_has_metrics_at_its_own():
     assert "unstable" in error["message"]
 
 
+def test_what_no_speed_makes_finite_is_said_once():
+    (error,) = compute(from_query("waviness=3&tracks=independent")[0])["errors"]
+    assert "no finite variance" in error["message"]
+    assert "waviness 3, 20 m/s, independent tracks" in error["message"]
+
+
 @pytest.fixture(scope="module")
 def fitted():
     """A surrogate of full cars in two variables, one of whose outputs is weighted."""
