@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import inspect
 import json
-from collections.abc import Iterable
 from importlib import resources
 from typing import Any
 
@@ -25,12 +24,14 @@ from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, Road
 from ..vehicles.full import FullCar
+from ..vehicles.handling_model import UNMOVED
 from ..vehicles.modes import SPLIT
 from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.second_order import ROUNDING
+from ..vehicles.truck import OUTSIDE, ThreeAxleTruck
 from ..vehicles.vehicle import Vehicle, joined
-from . import motion
-from .background import FACTORS, background, conditions
+from . import motion, search
+from .background import FACTORS
 from .compute import SPEEDS
 from .described import described, placed, refusal
 from .moving import WORDS, moving, said
@@ -40,12 +41,14 @@ from .state import NOTHING
 from .symbols import Lines
 from .table import DESIGN, Choice, Number
 
-MODELS = ("full", "quarter", "pitch-half", "roll-half", "ride-handling")
+MODELS = ("full", "quarter", "pitch-half", "roll-half", "ride-handling", "three-axle")
 """Models that the engine knows."""
 
 SOURCES = (
     *("algebra.js", "complex.js", "modes.js", "eigen.js", "covariance.js"),
     *("ride.js", "moving.js", "motion.js", "answers.js"),
+    *("descent.js", "front.js", "decay.js", "passage.js", "shaping.js", "preview.js", "bound.js"),
+    "background.js",
 )
 
 # What JavaScript asks of an assembled car.
@@ -109,7 +112,9 @@ def model(name: str) -> str:
 
     def entry(key: str, car: Any, outputs: tuple[str, ...]) -> str:
         moves = isinstance(car, RideHandlingCar)
-        data = json.dumps(described(car, outputs) | (said(car) if moves else {}) | {"settings": known})
+        data = json.dumps(
+            described(car, outputs) | search.steered(car) | (said(car) if moves else {}) | {"settings": known}
+        )
         return f"{json.dumps(key)}: {{ ...{data},\nassemble: {(moving if moves else assembled)(car)} }}"
 
     if not seat:
@@ -126,31 +131,9 @@ def numbers(name: str, table: str) -> list[Number]:
 
 
 def designs(name: str) -> list[dict[str, Any]]:
-    """Springs and dampers of a model as the page begins with them."""
+    """Springs and dampers of a model as the page begins with them, and their ranges."""
     rows = [row for row in numbers(name, "vehicle") if row.group in DESIGN]
-    return [{"key": row.key, "group": row.group, "value": row.default} for row in rows]
-
-
-def best(name: str) -> dict[str, Any] | None:
-    """The Pareto front and the active bound of a model as the page begins with it, and under what they hold, if any.
-
-    Root mean squares grow with the root of the road's roughness, so that one of these serves every roughness.
-    """
-    state = conditions(NOTHING.default(name))
-    found, own = background(state), {row["key"] for row in designs(name)}
-    if "front" not in found:
-        return None
-    return {
-        "conditions": {
-            "vehicle": {key: value for key, value in state["vehicle"].items() if key not in own},
-            "seat": state["seat"],
-            "road": {key: value for key, value in state["road"].items() if key != "roughness"},
-            "carpet": state["carpet"],
-        },
-        "roughness": state["road"]["roughness"],
-        "front": found["front"]["points"],
-        "bound": found["bound"]["points"],
-    }
+    return [{"key": r.key, "group": r.group, "value": r.default, "least": r.least, "most": r.most} for r in rows]
 
 
 def wavinesses() -> list[float]:
@@ -160,16 +143,11 @@ def wavinesses() -> list[float]:
     return [round(row.least + i * row.step, 9) for i in range(steps + 1)]
 
 
-def engine(named: Iterable[str] = MODELS) -> str:
+def engine() -> str:
     """The engine as a script.
 
-    It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does,
-    ``background`` the carpet as `susp_ss.explorer.background.background` does; ``metrics`` are the numbers alone.
-
-    Parameters
-    ----------
-    named : iterable of str
-        Models for which `best` is written along, which takes a second or some.
+    It sets ``dash_clientside.engine``: ``answer``, ``compute`` and ``background`` are those of `susp_ss.explorer`, of
+    which the last tells a second argument what is found so far; ``metrics`` are the numbers alone.
     """
     grid = wavinesses()
     step = inspect.signature(obstacle).parameters["step"].default
@@ -178,6 +156,7 @@ def engine(named: Iterable[str] = MODELS) -> str:
         "DAMPED": ROUNDING,
         "DRIFT": DRIFT,
         "SPLIT": SPLIT,
+        "UNMOVED": UNMOVED,
         "REFERENCE_WAVENUMBER": REFERENCE_WAVENUMBER,
         "SPEEDS": SPEEDS.tolist(),
         "FREQUENCIES": np.geomspace(*FREQUENCIES).tolist(),
@@ -188,12 +167,13 @@ def engine(named: Iterable[str] = MODELS) -> str:
         "REACTIONS": REACTIONS,
         "FACTORS": FACTORS.tolist(),
         "DESIGNS": {name: designs(name) for name in MODELS},
-        "BEST": {name: best(name) for name in named},
+        **search.constants(),
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
         | {"spacing": step},
         "WORDS": {
-            "background": "front and best law: of the car and road as they begin; susp-ss explore has them of any",
+            **search.words(),
             "drifting": refusal(FullCar(), Road(waviness=3.0, tracks="independent")),
+            "middle": f"{ThreeAxleTruck.__name__}{OUTSIDE}",
             **WORDS,
             "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },

@@ -6,8 +6,14 @@ const minus = (a, b) => complex(a.re - b.re, a.im - b.im);
 const product = (a, b) => complex(a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re);
 const scaled = (a, factor) => complex(a.re * factor, a.im * factor);
 const conjugate = (a) => complex(a.re, -a.im);
-const modulus = (a) => Math.hypot(a.re, a.im);
+const modulus = (a) => Math.sqrt(a.re * a.re + a.im * a.im);
 const power = (a) => a.re * a.re + a.im * a.im;
+
+// total += a b.
+function increase(total, a, b) {
+  total.re += a.re * b.re - a.im * b.im;
+  total.im += a.re * b.im + a.im * b.re;
+}
 
 function quotient(a, b) {
   const size = power(b);

@@ -16,8 +16,7 @@ class Dynamics extends Modes {
     const A = zeros(2 * n, 2 * n);
     for (let i = 0; i < n; i++) {
       A[i][n + i] = 1;
-      A[n + i].set(this.K[i].map((k) => -k));
-      A[n + i].set(this.C[i].map((c) => -c), n);
+      for (let j = 0; j < n; j++) [A[n + i][j], A[n + i][n + j]] = [-this.K[i][j], -this.C[i][j]];
     }
     const found = eigenvalues(A).filter((rate) => creeping(rate) || rate.im > 0);
     const modes = found.map((rate, at) => this.polished(rate, at));
@@ -64,99 +63,109 @@ const divided = (A, by) => A.map((row) => row.map((one) => one / by));
 // `bounded`, they add up to nothing over the axles. With R = (alpha I - A)^-1, d = e^(-alpha tau) and f what a fading
 // colour forces over the delay, alpha R = I + R A and alpha f = e^(A tau) b - d b - A f. High-passes, though white at
 // high frequency, then need no white noise of their own, with which they would cancel.
-function stirred({ rates }, entries, taus, { level, terms }, integrating, bounded) {
-  const axles = [...entries.keys()], many = integrating[0].length, over = (i, j) => Math.abs(taus[j] - taus[i]);
-  const faded = terms.map(({ alpha }) => axles.map((i) =>
-    axles.map((j) => (i === j ? complex(0) : exponentialLess1(scaled(alpha, -over(i, j)))))));
+function stirred({ rates }, entries, taus, spectrum, integrating, bounded) {
+  const axles = [...entries.keys()], many = integrating[0].length, { level, terms } = spectrum;
+  const pairs = axles.flatMap((j) => axles.slice(0, j).map((i) => ({ i, j, tau: taus[j] - taus[i] })));
+  for (const pair of pairs) {
+    pair.gone = terms.map(({ alpha }) => exponentialLess1(scaled(alpha, -pair.tau)));
+    pair.late = complex(0);
+    pair.slow = complex(0);
+    terms.forEach(({ low, high }, at) => {
+      increase(pair.late, scaled(high, 0.5), plus(pair.gone[at], complex(1)));
+      increase(pair.slow, scaled(low, 0.5), pair.gone[at]);
+    });
+  }
   const integrates = integrating.some((row) => row.some((rate) => rate !== 0));
   const felt = axles.map(() => rates.map(() => complex(0)));
   const cross = Array.from({ length: many }, () => rates.map(() => complex(0)));
-  const increase = (total, a, b) => {
-    total.re += a.re * b.re - a.im * b.im;
-    total.im += a.re * b.im + a.im * b.re;
-  };
   rates.forEach((rate, mode) => {
     const b = entries.map((entry) => entry[mode]);
     if (b.every(({ re, im }) => re === 0 && im === 0)) return;
-    // e^(A tau) b from axle to axle; of all axles ahead, and with the own.
-    const free = axles.map((j) => axles.slice(0, j).map((i) => product(exponential(scaled(rate, over(i, j))), b[i])));
-    const ahead = free.map((some) => some.reduce(plus, complex(0)));
-    const heights = axles.map((j) => (bounded ? complex(0) : scaled(minus(ahead[j], b.slice(0, j).reduce(plus, complex(0))), level)));
-    axles.forEach((j) => (felt[j][mode] = scaled(plus(ahead[j], scaled(b[j], 0.5)), level)));
-    terms.forEach(({ alpha, low, high }, at) => {
-      const slow = scaled(product(low, alpha), 0.5), fast = scaled(product(high, rate), 0.5), gone = faded[at];
-      const away = minus(alpha, rate), gain = quotient(minus(slow, fast), away), push = plus(slow, fast);
-      let first;
-      for (const j of axles) {
-        const met = plus(ahead[j], b[j]), forced = complex(0), late = complex(0);
-        for (const i of axles) {
-          if (i === j) continue;
-          const d = plus(gone[i][j], complex(1));
-          increase(late, scaled(d, i < j ? 1 : -1), b[i]);
-          if (i > j) increase(met, d, b[i]);
-          else {
-            const tau = over(i, j), mean = meanExponential(scaled(rate, tau), scaled(alpha, -tau));
-            increase(forced, scaled(mean, tau), b[i]);
-          }
-        }
-        increase(felt[j][mode], gain, met);
-        increase(felt[j][mode], push, forced);
-        increase(felt[j][mode], scaled(high, 0.5), late);
-        first ??= met;
-        if (!integrates) continue;
-        if (bounded) {
-          increase(heights[j], scaled(minus(high, low), 0.5), minus(quotient(met, away), forced));
-          continue;
-        }
-        increase(heights[j], gain, minus(met, first));
-        increase(heights[j], push, forced);
-        const left = complex(0);
-        for (const i of axles) increase(left, plus(gone[0][i], scaled(gone[i][j], Math.sign(j - i))), b[i]);
-        increase(heights[j], scaled(low, 0.5), left);
-      }
+    const { gain, apart } = met(rate, terms, pairs), heights = axles.map(() => complex(0));
+    // An axle that meets the process now.
+    axles.forEach((j) => {
+      increase(felt[j][mode], plus(gain, complex(0.5 * level)), b[j]);
+      if (bounded) increase(heights[j], apart, b[j]);
     });
+    // By what the one ahead has met before, and by what the one behind will meet.
+    for (const { i, j, less, gains, pushed, late, aparts, forced } of pairs) {
+      const free = plus(less, complex(1));
+      increase(felt[j][mode], plus(product(plus(gain, complex(level)), free), plus(pushed, late)), b[i]);
+      increase(felt[i][mode], minus(plus(gain, gains), late), b[j]);
+      if (bounded) {
+        increase(heights[j], minus(product(apart, free), forced), b[i]);
+        increase(heights[i], plus(apart, aparts), b[j]);
+      } else if (integrates) {
+        increase(heights[j], plus(product(plus(gain, complex(level)), less), pushed), b[i]);
+        increase(heights[i], gains, b[j]);
+      }
+    }
+    if (!integrates) return;
+    if (!bounded) drifted(heights, b, pairs);
     heights.forEach((height, j) => integrating[j].forEach((weight, k) => {
-      const one = bounded ? height : quotient(scaled(height, -1), rate);
-      cross[k][mode] = plus(cross[k][mode], scaled(one, weight));
+      increase(cross[k][mode], bounded ? complex(weight) : quotient(complex(-weight), rate), height);
     }));
   });
-  const own = integrates ? ofHeights(taus, { level, terms }, integrating, bounded, faded) : null;
-  return { felt, cross, own, faded };
+  return { felt, cross, own: integrates ? ofHeights(taus, spectrum, integrating, bounded) : null };
 }
 
-// What an output that sees `seen` of the modes and `on` of the integrals gains by feeds[j] u(t - tau_j) passed straight
-// on, where u has a finite variance.
-function passedOn(dynamics, feeds, seen, on, { felt, faded }, { terms }, integrating, bounded) {
-  let total = 0;
-  feeds.forEach((feed, j) => {
-    let beside = dynamics.real(seen, felt[j]);
-    feeds.forEach((other, i) => {
-      let velocities = 0, height = 0;
-      terms.forEach(({ alpha, low, high }, at) => {
-        const half = scaled(minus(low, high), 0.5), gone = faded[at][i][j], left = plus(gone, complex(1));
-        velocities += product(product(half, alpha), left).re;
-        height += product(half, bounded ? left : gone).re * Math.sign(i - j);
-      });
-      total += feed * other * velocities;
-      beside += dot(on, integrating[i]) * height;
-    });
-    total += 2 * feed * beside;
+// How a mode answers to all terms at once, `gain`, and to their heights, `apart`; the same as each fades over a pair of
+// axles less that, `gains` and `aparts`, what is forced meanwhile, `pushed` and `forced`, and e^(rate tau) - 1, `less`.
+function met(rate, terms, pairs) {
+  const gain = complex(0), apart = complex(0);
+  for (const pair of pairs) {
+    const over = scaled(rate, pair.tau), less = exponentialLess1(over);
+    Object.assign(pair, { over, less, gains: complex(0), aparts: complex(0), pushed: complex(0), forced: complex(0) });
+  }
+  terms.forEach(({ alpha, low, high }, at) => {
+    const away = minus(alpha, rate), slow = scaled(product(low, alpha), 0.5), fast = scaled(product(high, rate), 0.5);
+    const weight = scaled(minus(high, low), 0.5), one = quotient(minus(slow, fast), away), part = quotient(weight, away);
+    gain.re += one.re;
+    gain.im += one.im;
+    apart.re += part.re;
+    apart.im += part.im;
+    const push = plus(slow, fast);
+    for (const pair of pairs) {
+      const { tau, over, less, gone } = pair;
+      // (e^over - e^(-alpha tau)) / (over + alpha tau), where these are apart.
+      const sum = plus(rate, alpha), size = power(sum) * tau * tau;
+      const mean = size > 0.25 ? quotient(minus(less, gone[at]), sum)
+        : scaled(meanExponential(over, scaled(alpha, -tau)), tau);
+      increase(pair.gains, one, gone[at]);
+      increase(pair.aparts, part, gone[at]);
+      increase(pair.pushed, push, mean);
+      increase(pair.forced, weight, mean);
+    }
   });
-  return total;
+  return { gain, apart };
+}
+
+// Heights of later axles less that of the first, of heights that drift: less what the first has met, and what is left of
+// slow terms.
+function drifted(heights, b, pairs) {
+  const first = heights[0], left = (i, j) => pairs.find((pair) => pair.i === Math.min(i, j) && pair.j === Math.max(i, j));
+  heights.forEach((height, j) => {
+    if (!j) return;
+    heights[j] = minus(height, first);
+    b.forEach((entry, i) => {
+      const before = i ? left(0, i).slow : complex(0), between = i === j ? complex(0) : left(i, j).slow;
+      increase(heights[j], plus(before, scaled(between, Math.sign(j - i))), entry);
+    });
+  });
+  heights[0] = complex(0);
 }
 
 // E[h h] of `stirred`.
-function ofHeights(taus, { level, terms }, integrating, bounded, faded) {
+function ofHeights(taus, { level, terms }, integrating, bounded) {
   const own = zeros(integrating[0].length, integrating[0].length);
   taus.forEach((first, i) => taus.forEach((last, j) => {
+    const tau = Math.abs(last - first);
     let shared = 0;
     if (bounded) {
-      terms.forEach(({ alpha, low, high }, at) => {
-        const left = plus(faded[at][i][j], complex(1));
-        shared += quotient(product(scaled(minus(high, low), 0.5), left), alpha).re;
-      });
+      for (const { alpha, low, high } of terms) {
+        shared += quotient(product(scaled(minus(high, low), 0.5), exponential(scaled(alpha, -tau))), alpha).re;
+      }
     } else if (i !== j) {
-      const tau = Math.abs(last - first);
       const wandered = terms.reduce((total, { alpha, low, high }) => {
         const kept = unforgotten(scaled(alpha, tau));
         return total + product(low, kept).re + product(high, minus(complex(1), kept)).re;
@@ -166,4 +175,26 @@ function ofHeights(taus, { level, terms }, integrating, bounded, faded) {
     integrating[i].forEach((one, k) => integrating[j].forEach((other, l) => (own[k][l] += shared * one * other)));
   }));
   return own;
+}
+
+// What an output that sees `seen` of the modes and `on` of the integrals gains by feeds[j] u(t - tau_j) passed straight
+// on, where u has a finite variance.
+function passedOn(dynamics, feeds, seen, on, { felt }, taus, { terms }, integrating, bounded) {
+  let total = 0;
+  feeds.forEach((feed, j) => {
+    let beside = dynamics.real(seen, felt[j]);
+    feeds.forEach((other, i) => {
+      let velocities = 0, height = 0;
+      terms.forEach(({ alpha, low, high }) => {
+        const half = scaled(minus(low, high), 0.5), gone = exponentialLess1(scaled(alpha, -Math.abs(taus[j] - taus[i])));
+        const left = plus(gone, complex(1));
+        velocities += product(product(half, alpha), left).re;
+        height += product(half, bounded ? left : gone).re * Math.sign(i - j);
+      });
+      total += feed * other * velocities;
+      beside += dot(on, integrating[i]) * height;
+    });
+    total += 2 * feed * beside;
+  });
+  return total;
 }

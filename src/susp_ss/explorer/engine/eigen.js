@@ -47,7 +47,8 @@ function reflected(H) {
   for (let k = 0; k < n - 2; k++) {
     const v = new Float64Array(n);
     let size = 0;
-    for (let i = k + 1; i < n; i++) size = Math.hypot(size, (v[i] = H[i][k]));
+    for (let i = k + 1; i < n; i++) size += (v[i] = H[i][k]) ** 2;
+    size = Math.sqrt(size);
     if (size === Math.abs(v[k + 1])) continue;
     v[k + 1] += v[k + 1] < 0 ? -size : size;
     reflect(H, Z, v, k + 1, n, k, n);
@@ -70,14 +71,18 @@ function reflect(H, Z, v, first, last, from, to) {
     total *= by;
     for (let i = first; i < last; i++) H[i][j] -= total * v[i];
   }
-  for (const [M, rows] of [[H, to], [Z, n]]) {
-    for (let i = 0; i < rows; i++) {
-      const row = M[i];
-      let total = 0;
-      for (let j = first; j < last; j++) total += v[j] * row[j];
-      total *= by;
-      for (let j = first; j < last; j++) row[j] -= total * v[j];
-    }
+  turned(H, to, v, first, last, by);
+  turned(Z, n, v, first, last, by);
+}
+
+function turned(M, rows, v, first, last, by) {
+  for (let i = 0; i < rows; i++) {
+    const row = M[i];
+    let total = 0;
+    for (let j = first; j < last; j++) total += v[j] * row[j];
+    if (total === 0) continue;
+    total *= by;
+    for (let j = first; j < last; j++) row[j] -= total * v[j];
   }
 }
 
@@ -108,7 +113,8 @@ function schur(H, Z) {
       const last = Math.min(k + 3, end + 1);
       if (k > first) for (let i = k; i < last; i++) v[i] = H[i][k - 1];
       let size = 0;
-      for (let i = k; i < last; i++) size = Math.hypot(size, v[i]);
+      for (let i = k; i < last; i++) size += v[i] * v[i];
+      size = Math.sqrt(size);
       v[k] += v[k] < 0 ? -size : size;
       reflect(H, Z, v, k, last, Math.max(k - 1, first), Math.min(k + 4, end + 1));
       if (k > first) for (let i = k + 1; i < last; i++) H[i][k - 1] = 0;
@@ -117,21 +123,26 @@ function schur(H, Z) {
 }
 
 // Modes of x' = A x: their rates, and of each the column of V and the row of W = V^-1, both complex; of a pair of
-// conjugates the one that turns forwards. `condition` is what errors of A grow by in it.
-function modesOf(A) {
-  const found = [];
-  for (const part of coupled(A)) {
-    const own = eigen(part.map((i) => Float64Array.from(part, (j) => A[i][j])));
-    own.forEach(({ rate, V, W, condition }) => {
-      const whole = (x) => {
-        const y = Array.from(A, () => complex(0));
-        part.forEach((i, at) => (y[i] = x[at]));
+// conjugates the one that turns forwards. `condition` is what errors of A grow by in it. A part that `like`, the modes of
+// a similar matrix, has with the same numbers is not computed again.
+function modesOf(A, like = []) {
+  const known = new Set(like.map(({ of }) => of));
+  return coupled(A).flatMap((rows) => {
+    const own = rows.map((i) => Float64Array.from(rows, (j) => A[i][j]));
+    const same = ({ rows: others, numbers }) => others.length === rows.length
+      && rows.every((row, i) => others[i] === row && own[i].every((one, j) => one === numbers[i][j]));
+    const before = [...known].find(same);
+    if (before) return like.filter(({ of }) => of === before);
+    const of = { rows, numbers: own.map((row) => Float64Array.from(row)) };
+    return eigen(own).map(({ rate, V, W, condition }) => {
+      const [whole, back] = [V, W].map((x) => {
+        const y = A.map(() => complex(0));
+        rows.forEach((i, at) => (y[i] = x[at]));
         return y;
-      };
-      found.push({ rate, V: whole(V), W: whole(W), condition });
+      });
+      return { rate, V: whole, W: back, condition, of };
     });
-  }
-  return found;
+  });
 }
 
 // The same of a matrix that does not fall apart, which is overwritten.
@@ -140,41 +151,36 @@ function eigen(A) {
   schur(A, Z);
   const [T, Q] = [A, Z].map((M) => M.map((row) => Array.from(row, (one) => complex(one))));
   triangular(T, Q);
-  const size = Math.max(...T.map((row, i) => modulus(row[i]))), least = EPSILON * size;
+  const rates = T.map((row, i) => row[i]), least = EPSILON * Math.max(...rates.map(modulus));
   const gap = (one, other) => {
     const apart = minus(one, other);
     return modulus(apart) > least ? apart : complex(least);
   };
-  const rates = T.map((row, i) => row[i]);
+  const length = (x) => Math.sqrt(sum(x.map(power)));
   return rates.flatMap((rate, k) => {
     if (rate.im < 0 && !creeping(rate)) return [];
-    // T y = rate y from below, and y T = rate y from the left.
-    const y = Array.from(T, () => complex(0)), w = Array.from(T, () => complex(0));
+    // T y = rate y from below, and w T = rate w from the left.
+    const [y, w, V, W] = [0, 1, 2, 3].map(() => T.map(() => complex(0)));
     y[k] = w[k] = complex(1);
-    for (let i = k - 1; i >= 0; i--) y[i] = quotient(inner(T[i], y, i + 1, k + 1), gap(rate, rates[i]));
-    for (let j = k + 1; j < n; j++) {
-      let total = complex(0);
-      for (let i = k; i < j; i++) total = plus(total, product(w[i], T[i][j]));
-      w[j] = quotient(total, gap(rate, rates[j]));
+    for (let i = k - 1; i >= 0; i--) {
+      for (let j = i + 1; j <= k; j++) increase(y[i], T[i][j], y[j]);
+      y[i] = quotient(y[i], gap(rate, rates[i]));
     }
-    const length = (x) => Math.sqrt(sum(x.map(power))), condition = length(y) * length(w);
-    const V = Q.map((row, i) => scaled(inner(row, y, 0, k + 1), scales[i]));
-    const W = Q.map((row, i) => {
-      let total = complex(0);
-      for (let j = k; j < n; j++) total = plus(total, product(w[j], conjugate(row[j])));
-      return scaled(total, 1 / scales[i]);
+    for (let j = k + 1; j < n; j++) {
+      for (let i = k; i < j; i++) increase(w[j], w[i], T[i][j]);
+      w[j] = quotient(w[j], gap(rate, rates[j]));
+    }
+    Q.forEach((row, i) => {
+      for (let j = 0; j <= k; j++) increase(V[i], row[j], y[j]);
+      for (let j = k; j < n; j++) {
+        W[i].re += w[j].re * row[j].re + w[j].im * row[j].im;
+        W[i].im += w[j].im * row[j].re - w[j].re * row[j].im;
+      }
+      V[i] = scaled(V[i], scales[i]);
+      W[i] = scaled(W[i], 1 / scales[i]);
     });
-    return [{ rate, V, W, condition }];
+    return [{ rate, V, W, condition: length(y) * length(w) }];
   });
-}
-
-function inner(x, y, first, last) {
-  let re = 0, im = 0;
-  for (let i = first; i < last; i++) {
-    re += x[i].re * y[i].re - x[i].im * y[i].im;
-    im += x[i].re * y[i].im + x[i].im * y[i].re;
-  }
-  return complex(re, im);
 }
 
 // Turn every block of two rows, so that T, complex from then on, has nothing below its diagonal; Z turns along.

@@ -45,7 +45,7 @@ class Modes {
         im += row[i].im * x[i];
         terms += modulus(row[i]) * Math.abs(x[i]);
       }
-      return Math.hypot(re, im) > ROUNDING * terms ? complex(re, im) : complex(0);
+      return Math.sqrt(re * re + im * im) > ROUNDING * terms ? complex(re, im) : complex(0);
     });
   }
 }

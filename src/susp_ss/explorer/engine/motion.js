@@ -83,7 +83,7 @@ function modes(car) {
   const found = car.motions().sort((one, other) => modulus(one.rate) - modulus(other.rate));
   const own = assigned(found.map(({ shares }) => shares.map((share, j) => share + car.preferred(j))));
   return found.flatMap(({ rate, shape, shares }, i) => {
-    const name = car.slots[own[i] ?? shares.indexOf(Math.max(...shares))];
+    const name = car.slots[shares[own[i]] > UNMOVED ? own[i] : shares.indexOf(Math.max(...shares))];
     if (!car.coordinates.some(({ motion }) => motion === name)) return [];
     const most = shape.reduce((one, other) => (modulus(other) > modulus(one) ? other : one));
     const drawn = { wheels: {}, seats: {} };
@@ -134,7 +134,7 @@ function assigned(rows) {
 
 // Where everything is while the car drives over a haversine bump on both tracks, heights linear between its points.
 function bump(car, { height, length, speed }) {
-  const { dynamics, axles } = car, pieces = Math.ceil(length / BUMP.spacing - 1e-9);
+  const { dynamics, axles, positions } = car, pieces = Math.ceil(length / BUMP.spacing - 1e-9);
   const point = (k) => 0.5 * height * (1 - Math.cos((2 * Math.PI * k) / pieces));
   const ground = (x) => {
     const at = Math.min(Math.max((x / length) * pieces, 0), pieces), k = Math.min(Math.floor(at), pieces - 1);
@@ -159,7 +159,7 @@ function bump(car, { height, length, speed }) {
       const still = dot(car.on_integrators[felt], times(car.integrators, z));
       found.t.push(i * step - BUMP.before);
       found.x.push((i * step - BUMP.before) * speed);
-      car.placed.forEach(({ at: [group, place], seen, carried }) =>
+      positions.forEach(({ at: [group, place], seen, carried }) =>
         put(found[group], place, dynamics.real(seen, amplitudes) + dot(carried, z)),
       );
       car.corners.forEach((corner, wheel) => put(found.ground, corner, z[wheel]));

@@ -1,21 +1,16 @@
 // A car that moves: at each speed another first-order system, which falls apart into the motions that left and right
 // have in common and those that they have against one another.
 class MovingCar extends Ride {
-  constructor(model, parameters) {
+  constructor(model, parameters, like = null) {
     super(model, parameters);
     if (this.impossible()) return;
-    this.halves = this.halves.map(half);
+    this.halves = this.halves.map((own, i) => half(own, like?.halves[i].modes));
     this.modes = this.halves.flatMap(({ modes }, at) => modes.map((mode) => ({ ...mode, at })));
     const nothing = ({ A }) => A.map(() => complex(0));
     const W = this.modes.map(({ W, at }) => this.halves.flatMap((own, i) => (i === at ? W : nothing(own))));
     this.dynamics = new Modes(this.modes.map(({ rate }) => rate), W);
     this.entering = this.corners.map((_, wheel) => this.halves.flatMap(({ B }) => B.map((row) => row[wheel])));
     this.seen = this.on_road_velocity.map((_, i) => this.seenBy(({ C }) => C[i]));
-    this.placed = this.placed.map(({ at }, i) => ({
-      at,
-      seen: this.seenBy(({ places }) => places[i]),
-      carried: this.added(({ places, G }) => multiply([places[i]], G))[0],
-    }));
     this.on_road_velocity = this.added(({ D }) => D, this.on_road_velocity);
     // The warp of the road, and the angle to which a road that stands still would bring the body.
     const still = this.added(({ stretch, K_ride, K_in }) => multiply(stretch, standing(K_ride, K_in)), this.resting);
@@ -32,6 +27,14 @@ class MovingCar extends Ride {
     return this.modes.map(({ V, at }) => applied(row(this.halves[at]), V));
   }
 
+  get positions() {
+    return this.placed.map(({ at }, i) => ({
+      at,
+      seen: this.seenBy(({ places }) => places[i]),
+      carried: this.added(({ places, G }) => multiply([places[i]], G))[0],
+    }));
+  }
+
   // Matrices of the halves, added up.
   added(of, first = null) {
     const parts = this.halves.map(of), total = (first ?? parts.shift()).map((row) => Float64Array.from(row));
@@ -40,7 +43,7 @@ class MovingCar extends Ride {
   }
 
   at(speed) {
-    return speed === this.parameters.speed ? this : new MovingCar(this.model, { ...this.parameters, speed });
+    return speed === this.parameters.speed ? this : new MovingCar(this.model, { ...this.parameters, speed }, this);
   }
 
   impossible() {
@@ -88,14 +91,15 @@ const square = (rows, column) => sum(rows.map((row) => row[column] ** 2));
 // One half: states s are the positions p relative to the road, their rates, what else of the velocities forces depend on,
 // how the tyres slide, and what lags behind; s' = A s + B z', y = C s + D z', and what `speeds` make of s are the rates
 // of all velocities.
-function half(own) {
+function half(own, like) {
   const { M, K, forces, K_in, C_in, slips, lag, acceleration, felt } = own, n = K.length, size = forces[0].length;
   const solved = inverted(M), by = (columns) => transpose(columns.map(solved));
   const speeds = by(transpose(forces)), G = standing(K, K_in);
   const moved = by(transpose(C_in).map((column) => Float64Array.from(M, (_, i) => column[i] ?? 0)));
   const kept = size - n - slips.length - lag.length;
-  const unit = (at) => Float64Array.from({ length: size }, (_, j) => (j === at ? 1 : 0));
-  const A = [...K.map((_, i) => unit(n + i)), ...speeds.slice(0, kept), ...multiply(slips, speeds), ...lag];
+  const moving = zeros(n, size);
+  moving.forEach((row, i) => (row[n + i] = 1));
+  const A = [...moving, ...speeds.slice(0, kept), ...multiply(slips, speeds), ...lag];
   const B = [
     ...G.map((row) => row.map((one) => -one)),
     ...moved.slice(0, kept),
@@ -104,13 +108,9 @@ function half(own) {
   ];
   const C = multiply(acceleration, speeds);
   C.forEach((row, i) => add(row, felt[i], 1));
-  let modes = modesOf(A);
+  let modes = modesOf(A, like);
   if (!modes.every(({ condition }) => condition < PARALLEL)) {
     modes = modesOf(A.map((row, i) => Float64Array.from(row, (one, j) => (i === j ? one * (1 - ASIDE) : one))));
   }
   return { ...own, G, A, B, C, D: multiply(acceleration, moved), speeds, modes };
 }
-
-// Words with numbers in place of their names, and a number in so many digits.
-const filled = (words, numbers) => words.replace(/\{(\w+)\}/g, (_, name) => numbers[name]);
-const general = (x, digits) => String(Number(x.toPrecision(digits)));

@@ -70,7 +70,8 @@ class Ride {
 
   // Why there is nothing to be said of it at all, or nothing on any road.
   impossible() {
-    return "";
+    const { middle, a, b } = this.parameters;
+    return middle === undefined || (-a < middle && middle < b) ? "" : filled(WORDS.middle, { middle: general(middle, 6) });
   }
 
   unstable() {
@@ -133,7 +134,7 @@ class Ride {
         if (feeds.every((feed) => feed === 0)) return;
         // White velocity has no finite variance.
         through[i] += filter
-          ? passedOn(dynamics, feeds, this.seen[i], this.on_integrators[i], one, spectrum, integrated.rates, bounded)
+          ? passedOn(dynamics, feeds, this.seen[i], this.on_integrators[i], one, taus, spectrum, integrated.rates, bounded)
           : Infinity;
       });
     }
@@ -150,9 +151,10 @@ class Ride {
       on.forEach((one, k) => {
         total += one * (2 * dynamics.real(seen, cross[k]) + dot(own[k], on));
       });
-      for (let k = 0, at = 0; k < rates.length; k++) {
+      for (let k = 0; k < rates.length; k++) {
+        if (seen[k].re === 0 && seen[k].im === 0) continue;
         let x = 0, y = 0;
-        for (let l = 0; l < n; l++, at++) {
+        for (let l = 0, at = k * n; l < n; l++, at++) {
           x += re[at] * other[l].re - im[at] * other[l].im;
           y += re[at] * other[l].im + im[at] * other[l].re;
         }
@@ -171,9 +173,20 @@ class Ride {
   }
 }
 
+// Words with numbers in place of their names, and a number in so many digits.
+const filled = (words, numbers) => words.replace(/\{(\w+)\}/g, (_, name) => numbers[name]);
+const general = (x, digits) => String(Number(x.toPrecision(digits)));
+
 // A real row times a complex vector.
-const applied = (row, x) =>
-  row.reduce((total, one, i) => (one ? plus(total, scaled(x[i], one)) : total), complex(0));
+function applied(row, x) {
+  let re = 0, im = 0;
+  for (let i = 0; i < row.length; i++) {
+    if (row[i] === 0) continue;
+    re += row[i] * x[i].re;
+    im += row[i] * x[i].im;
+  }
+  return complex(re, im);
+}
 
 // A car that the speed does not change.
 class Car extends Ride {
@@ -191,12 +204,8 @@ class Car extends Ride {
       ...this.C_in.map((row, i) => row.map((one) => one / root[i])),
     ];
     this.entering = transpose(entering);
+    this.G = G;
     // What every output sees of each mode: elongation R p + rate R p' + acceleration p''.
-    this.placed = this.placed.map(({ at }, i) => ({
-      at,
-      seen: this.shapes.map((shape) => applied(this.places[i], shape)),
-      carried: multiply([this.places[i]], G)[0],
-    }));
     const stretched = this.shapes.map((shape) => this.R.map((row) => applied(row, shape)));
     this.seen = this.elongation.map((elongation, i) => rates.map((rate, k) => {
       const accelerated = product(rate, applied(this.acceleration[i], this.shapes[k]));
@@ -207,6 +216,15 @@ class Car extends Ride {
     still.forEach((row, i) => add(row, this.N[i], 1));
     this.on_integrators = multiply(this.elongation, warped(still, this.integrators));
     this.slots = this.coordinates.map(({ motion }) => motion);
+  }
+
+  // What is shown of where everything is: what it sees of the modes, and by how much the ground carries it.
+  get positions() {
+    return this.placed.map(({ at }, i) => ({
+      at,
+      seen: this.shapes.map((shape) => applied(this.places[i], shape)),
+      carried: multiply([this.places[i]], this.G)[0],
+    }));
   }
 
   // Every mode with its shape in the coordinates, and the shares of its kinetic energy that the `slots` have.
