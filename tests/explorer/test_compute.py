@@ -149,6 +149,10 @@ def test_the_bump_is_that_of_simulate(text):
     assert np.interp(t, ride.time, heave) == pytest.approx(
         np.array(shown["body"]["heave"]), abs=0.03 * np.abs(heave.values).max()
     )
+    assert set(shown["seats"]) == ({"driver"} if state["seat"] else set())
+    for name, z in shown["seats"].items():
+        own = ride.z_s.sel(point=name)
+        assert np.interp(t, ride.time, own) == pytest.approx(np.array(z), abs=0.03 * np.abs(own.values).max())
     assert np.array(shown["x"]) == pytest.approx(np.array(shown["t"]) * asked["speed"], abs=1e-9)
 
 
@@ -239,6 +243,12 @@ def test_a_car_that_spins_at_some_speed_has_metrics_at_its_own():
     assert "unstable" in error["message"]
 
 
+def test_what_no_speed_makes_finite_is_said_once():
+    (error,) = compute(from_query("waviness=3&tracks=independent")[0])["errors"]
+    assert "no finite variance" in error["message"]
+    assert "waviness 3, 20 m/s, independent tracks" in error["message"]
+
+
 @pytest.fixture(scope="module")
 def fitted():
     """A surrogate of full cars in two variables, one of whose outputs is weighted."""
@@ -272,6 +282,7 @@ def test_a_surrogate_stands_beside_the_exact_value(fitted):
 def test_a_design_that_a_surrogate_does_not_know_is_said(fitted):
     given = Given(surrogates={"fit": fitted})
     found = compute(from_query("ks_front=20000", given)[0], given)
-    assert found["surrogates"] == []
-    assert "fit has one ks for all of fr, fl, rr, rl" in found["errors"][0]["message"]
+    assert found["errors"] == []
+    needs = "needs one ks for all of fr, fl, rr, rl, got fr 20000, fl 20000, rr 18553, rl 18553"
+    assert found["surrogates"] == [{"surrogate": "fit", "refused": needs}]
     assert compute(from_query("cs_front=4000&cs_rear=4000", given)[0], given)["surrogates"][0]["outside"]

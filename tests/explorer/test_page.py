@@ -3,6 +3,7 @@
 import contextlib
 import re
 import threading
+import types
 from urllib.parse import parse_qs, urlsplit
 
 import matplotlib.image
@@ -23,7 +24,7 @@ def carpet(conditions, given):
     """In place of the background, which takes seconds: three designs in a plane, and what bounds them."""
     return {
         "carpet": {"designs": [[[4e-3, 0.6], [5e-3, 0.5]]]},
-        "front": {"points": [[4e-3, 0.5], [6e-3, 0.4]]},
+        "front": {"points": [[4e-3, 0.5], [6e-3, 0.4]], "designs": [{"ks": 12e3, "cs": 2e3}, {"ks": 2e4, "cs": 900.0}]},
         "bound": {"points": [[4e-3, 0.3], [6e-3, 0.2]]},
         "errors": [],
     }
@@ -162,6 +163,41 @@ def test_curves_seats_and_other_models(tab):
     assert all(("%" in mode) != mode.startswith("seat") for mode in modes)  # The design to compare with has none.
 
 
+def test_a_seat_that_is_taken_away_takes_its_outputs_along(tab):
+    asked = {"seat_mass": "75", "carpet_y": "bacc@driver", "bode": "dtl@fr,bacc@driver"}
+    tab.go(f"?{'&'.join(map('='.join, asked.items()))}")
+    offered = "!document.querySelector('#bode-set input[value=\\'bacc@driver\\']').parentNode.hidden"
+    assert tab.evaluate(offered)
+    tab.locator("input[name=seat]").evaluate("box => box.click()")
+    tab.wait_for_selector(IDLE)
+    assert query(tab) == {"bode": "dtl@fr"}
+    assert tab.locator("#errors").inner_text() == ""
+    assert not tab.evaluate(offered)
+    tab.locator("#undo").click()
+    until(tab, "location.search.includes('seat_mass')")
+    assert asked.items() <= query(tab).items()
+
+
+def test_a_point_of_the_front_is_a_design_to_take(tab):
+    """By key and by pointer; who sits on a seat is drawn, and the one point of the car has a name beside it."""
+    tab.go("?model=quarter&seat_mass=75")
+    tab.wait_for_selector("#carpet[aria-busy=false]")
+    first, second = tab.locator(".point.best").all()
+    assert first.get_attribute("aria-label") == (
+        "Take the design of spring stiffness K_s 12.0 kN/m; damping rate C_s 2.00 kN s/m"
+    )
+    first.press("Enter")
+    tab.wait_for_selector(IDLE)
+    own = ss.QuarterCarWithSeat(ks=12e3, cs=2e3, seat_mass=75.0)
+    shown, _, start = row(tab, "Body vertical", "body")
+    assert near(shown, ss.ride_metrics(own, ROAD).bacc.sel(point="body"))
+    assert near(start, ss.ride_metrics(ss.QuarterCar(), ROAD).bacc)
+    assert tab.locator("#modes .rider").count() == tab.locator("#modes figure").count()
+    second.click()
+    until(tab, "location.search.includes('cs=900')")
+    assert query(tab).items() >= {"ks": "20000", "cs": "900"}.items()
+
+
 def test_undo_redo_and_back(tab):
     tab.go("?model=quarter")
     assert tab.locator("#undo").is_disabled()
@@ -231,6 +267,9 @@ def test_bad_urls(tab):
         field.press("Enter")
         assert field.get_attribute("aria-invalid") == "true"
         assert "ks_front must be a number from 5.053 to 74.553 kN/m, got" in tab.locator("#errors").inner_text()
+    press(tab, "ks_rear", "ArrowRight")  # Whatever moves, what was typed in vain is gone.
+    assert tab.locator("#errors").inner_text() == ""
+    assert (field.input_value(), field.get_attribute("aria-invalid")) == ("18.55", "false")
     field.fill("20.5")
     field.press("Enter")
     tab.wait_for_selector(IDLE)
@@ -239,16 +278,32 @@ def test_bad_urls(tab):
     tab.go(f"?{'&'.join(['pin=ks_front%3D20000'] * 5)}")
     assert tab.locator("#errors").inner_text() == "pin must be at most 4 designs, got 5"
     assert tab.locator("#pins li").count() == 4
+    tab.go("?pin=model%3Dtank&pin=ks_front%3D20000")
+    assert "got 'tank'" in tab.locator("#errors").inner_text()
+    assert tab.locator("#pins li").count() == 1  # A design of no model is none.
     assert tab.evaluate(
         "document.querySelector('#metrics').scrollWidth <= document.querySelector('#metrics').clientWidth"
     )
 
 
-def test_a_system_has_what_there_is_of_it(browser):
-    system = Given(ss.LinearVehicle(ss.QuarterCar(ks=21e3).state_space()))
+def test_a_system_and_a_measured_road_have_what_there_is_of_them(browser):
+    full = types.SimpleNamespace(inputs={"ks_front": "N/m"})
+    measured = ss.Road.two_slope(roughness=90e-6, tracks="isotropic")
+    car = ss.LinearVehicle(ss.QuarterCar(ks=21e3).state_space())
+    system = Given(car, measured, "measured.csv", surrogates={"full.json": full})
     with serving(system) as address, visit(browser, address) as tab:
         tab.go()
-        assert near(row(tab, "Body vertical")[0], ss.ride_metrics(ss.QuarterCar(ks=21e3), ROAD).bacc)
+        assert "full.json needs ks_front, which LinearVehicle has not" in " ".join(
+            tab.locator("#surrogates tbody").inner_text().split()
+        )
+        assert tab.locator("#errors").inner_text() == ""
+        classes = tab.get_by_label("measured.csv")
+        for chosen, road in (("C", ss.Road.iso8608("C", tracks="isotropic")), ("measured", measured)):
+            classes.select_option(chosen)
+            tab.wait_for_selector(IDLE)
+            assert classes.input_value() == chosen
+            assert near(row(tab, "Body vertical")[0], ss.ride_metrics(ss.QuarterCar(ks=21e3), road).bacc)
+        assert query(tab) == {}
         assert not tab.locator("#panel-modes").is_visible()
         tab.get_by_label("Model").select_option("quarter")
         tab.wait_for_selector("#modes figure")

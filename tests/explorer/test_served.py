@@ -75,6 +75,13 @@ def part(found, whole):
     return found == whole
 
 
+@pytest.mark.parametrize("data", [b"", b"junk", b"null", b'{"output": "results.data"}'])
+def test_dash_has_nothing_to_answer(client, data):
+    answer = client.post("/_dash-update-component", data=data, content_type="application/json")
+    assert answer.status_code == 400
+    assert b"no callback of Dash" in answer.data
+
+
 @pytest.mark.parametrize("question", [None, [], {"state": {}}, {"state": {}, "pins": {}}, {"pins": []}], ids=str)
 def test_what_is_no_question_is_refused_in_one_line(client, question):
     answer = client.post("/answer", data=json.dumps(question), content_type="application/json")
@@ -246,6 +253,14 @@ def test_what_cannot_be_begun_with_is_refused_in_one_line(run, arguments):
     ran = run("explore", "--no-browser", *arguments)
     assert ran.code == 2
     assert len(ran.err.splitlines()) == 1
+
+
+def test_columns_that_nothing_tells_are_to_be_named_elsewhere(run, tmp_path):
+    path = tmp_path / "road.csv"
+    path.write_text("s,one,two\n0,0.001,0.002\n1,0.002,0.001\n")
+    ran = run("explore", "--no-browser", "--road", path)
+    assert ran.code == 2
+    assert ran.err.endswith("by --x, --left and --right of susp-ss road read, whose --out is taken here\n")
 
 
 def test_dash_that_is_missing_is_said_with_the_command_that_installs_it(run, monkeypatch):

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import susp_ss as ss
 from explored import states
+from susp_ss.explorer.design import road_of
 from susp_ss.explorer.state import MODELS, NOTHING, Given, checked, from_query, query
 from susp_ss.explorer.table import Choice, Number
 from susp_ss.vehicles.files import model_named
@@ -68,6 +69,17 @@ def test_what_a_model_does_not_take_is_not_offered():
     assert "waviness" not in {row.name for row in Given(road=ss.Road.two_slope()).tables["full"]}
 
 
+def test_a_measured_road_is_a_choice_beside_the_classes():
+    measured = ss.Road.two_slope(speed=25.0, tracks="independent")
+    given = Given(road=measured, profile="measured.csv")
+    assert road_of(given.default(), given) == measured
+    state, errors = from_query("spectrum=ISO+8608&roughness=0.000256", given)
+    assert errors == []
+    assert road_of(state, given) == ss.Road.iso8608("C", speed=25.0, tracks="independent")
+    assert from_query(query(state, given), given) == (state, [])
+    assert "spectrum" not in {row.name for row in NOTHING.tables["full"]}
+
+
 WRONG = {
     "ks_front=stiff": "ks_front must be a number from 5053 to 74553 N/m, got 'stiff'",
     "ks_front=1e9": "ks_front must be a number from 5053 to 74553 N/m, got 1000000000.0",
@@ -87,6 +99,19 @@ def test_what_is_wrong_is_said_in_one_line_and_the_rest_stands(text, message):
     assert errors[0]["parameter"] == text.partition("=")[0]
     assert state["road"]["speed"] == 30.0
     assert checked(state) == (state, [])
+
+
+def test_an_address_with_pins_holds_the_state_that_they_are_compared_with():
+    own, pins = "model=quarter&ks=20000", "pin=model%3Dquarter%26ks%3D1&pin=model%3Dtank"
+    expected = from_query(own)
+    for text in (f"{own}&{pins}", f"{pins}&{own}", f"http://127.0.0.1:8050/?{own}&{pins}#top", f"/?{own}", f"?{own}"):
+        assert from_query(text) == expected
+    assert from_query("http://127.0.0.1:8050/") == from_query("")
+
+
+def test_what_is_asked_for_beside_an_absent_seat_stands():
+    state, _ = from_query("bode=dtl@fr,bacc@driver&carpet_y=seat_travel@driver")
+    assert state == NOTHING.default() | {"bode": ["dtl@fr"]}
 
 
 ANY = st.recursive(

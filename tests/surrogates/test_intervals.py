@@ -54,6 +54,22 @@ def test_bounds_are_those_of_fits_without_each_run(name):
     np.testing.assert_allclose(bounds, np.column_stack([low, high]), rtol=1e-6)
 
 
+def test_the_cheap_model_is_asked_once_for_all_fits_without_a_run():
+    """Where a slider moves, an interval must not cost a cheap run for every expensive one."""
+    asked = []
+
+    def counted(X):
+        asked.append(len(X))
+        return cheap()(X)
+
+    (X, y), (T, _) = runs(11, 0), runs(4, 1)
+    fitted = ss.CoKriging(counted).fit(X, y)
+    first = fitted.predict(T, interval=0.8)
+    asked.clear()
+    np.testing.assert_array_equal(fitted.predict(T, interval=0.8)[1], first[1])
+    assert sum(asked) <= 2 * len(T)
+
+
 @pytest.mark.parametrize("name", ["RB", "VB", "Polynomial", "thin plate", "CoKriging"])
 def test_they_hold_new_responses(name):
     (T, F), held = runs(200, 100), []

@@ -10,6 +10,7 @@ from .refusals import Refusal, refusals
 
 if TYPE_CHECKING:
     from ..explorer.state import Given
+    from ..roads.road import Road
 
 PORT = 8050
 
@@ -64,9 +65,8 @@ def run(
 def _given(
     vehicle: Path | None, system: Path | None, road: Path | None, surrogates: list[Path], trust_units: bool
 ) -> "Given":
-    from .. import FullCar, fit_road, load_surrogate, read_profile
+    from .. import FullCar, load_surrogate
     from ..explorer.state import Given
-    from ..roads.road_fit import unfitted
     from ..vehicles.files import read_vehicle
     from ..vehicles.system_files import read_system
 
@@ -76,6 +76,18 @@ def _given(
     if system is not None:
         given["vehicle"] = read_system(system, given.get("vehicle", FullCar()))
     if road is not None:
-        given["road"] = unfitted(fit_road(read_profile(road)))
+        given |= {"road": _measured(road), "profile": road.name}
     given["surrogates"] = {str(path): load_surrogate(path) for path in surrogates}
     return Given(**given)
+
+
+def _measured(path: Path) -> "Road":
+    from .. import fit_road, read_profile
+    from ..roads.road_fit import unfitted
+
+    try:
+        with refusals():
+            return unfitted(fit_road(read_profile(path)))
+    except Refusal as refusal:
+        elsewhere = " of susp-ss road read, whose --out is taken here" if "--" in str(refusal) else ""
+        raise Refusal(f"{refusal}{elsewhere}") from refusal

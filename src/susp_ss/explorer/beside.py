@@ -31,7 +31,7 @@ class Beside:
 
     def background(self, state: Any, given: Given) -> Any:
         """What `background` returns."""
-        return self._pool.apply(background, (state, Given(given.vehicle, given.road)))
+        return self._pool.apply(background, (state, Given(given.vehicle, given.road, given.profile)))
 
 
 def _begin() -> None:

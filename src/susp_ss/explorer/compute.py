@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..fit.surrogate_file import SuspensionSurrogate
 from ..metrics.comfort import AXES, in_words
 from ..responses.frequency import densities, on_heights
 from .motion import bump, modes
@@ -44,7 +42,7 @@ def compute(state: Any, given: Given = NOTHING) -> Found:
         ``speeds``
             Every metric over speed.
         ``surrogates``
-            What each surrogate predicts, between its bounds, beside the exact value.
+            What each surrogate predicts, between its bounds, beside the exact value; or why not, in ``refused``.
         ``errors``
             ``parameter``, its name in the URL or nothing, and ``message``.
 
@@ -120,15 +118,15 @@ def over_bump(scene: Scene) -> Found:
 
 
 def surrogates(scene: Scene) -> Found:
-    """Predictions of all surrogates that the vehicle has one value a input for."""
+    """Predictions of all surrogates, of those that refuse the vehicle why."""
+    vehicle, road = scene.vehicle, scene.road
     found: list[Found] = []
     for name, fitted in scene.given.surrogates.items():
-        found += scene.attempt(partial(_of_surrogate, name, fitted)) or []
+        try:
+            found += predictions(name, fitted, vehicle, road)
+        except ValueError as error:
+            found.append({"surrogate": name, "refused": str(error)})
     return {"surrogates": found}
-
-
-def _of_surrogate(name: str, fitted: SuspensionSurrogate, scene: Scene) -> list[Found]:
-    return predictions(name, fitted, scene.vehicle, scene.road)
 
 
 DRAWN: tuple[Callable[[Scene], Found], ...] = (

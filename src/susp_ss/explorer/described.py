@@ -79,6 +79,7 @@ def placed(vehicle: Vehicle) -> list[tuple[int, list[str]]]:
     body = next(name for name in names if name.startswith("z_s"))
     shown = {body: ["body", "heave"], "pitch": ["body", "pitch"], "roll": ["body", "roll"]}
     shown |= {signal("z_u", wheel): ["wheels", wheel] for wheel in vehicle.wheels}
+    shown |= {signal("z_s", seat): ["seats", seat] for seat in vehicle.linkage().seats}
     return [(names.index(name), at) for name, at in shown.items() if name in names]
 
 

@@ -6,12 +6,13 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from ..roads.road import Road
+from ..roads.road import DEFAULT_ROAD, Road
 from ..vehicles.curves import DamperCurve
 from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.vehicle import joined
 from .seat import seated
 from .state import NOTHING, Given
+from .table import MEASURED
 
 
 def vehicle_of(state: Mapping[str, Any], given: Given = NOTHING) -> Any:
@@ -55,4 +56,6 @@ def damper(cs: float, rebound: float, compression: float, knee: float, beyond: f
 
 def road_of(state: Mapping[str, Any], given: Given = NOTHING) -> Road:
     """The road of a checked state."""
-    return dataclasses.replace(given.road, **state["road"])
+    own = dict(state["road"])
+    measured = own.pop("spectrum", MEASURED) == MEASURED
+    return dataclasses.replace(given.road if measured else DEFAULT_ROAD, **own)

@@ -29,7 +29,7 @@ PANELS = {
     "speeds": ("Over speed", "Metrics at other speeds on the same road."),
     "carpet": (
         "Carpet",
-        "Grey: all springs by all dampers, halved to doubled. Solid: the Pareto front. Dotted: the best of any law.",
+        "Grey: springs by dampers, halved to doubled. Solid: the Pareto front, points to take. Dotted: any law's best.",
     ),
     "surrogates": ("Surrogates", "What each predicts of its expensive model, its interval, and what this vehicle has."),
 }

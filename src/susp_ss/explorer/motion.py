@@ -103,12 +103,14 @@ def bump(vehicle: RoadVehicle, model: Model | None, height: float, length: float
             return {}
         return dict(zip(layout.outputs.places(name), finite(y[layout.outputs.of(name)]), strict=True))
 
+    seats = at("seat_travel")
     body = {"heave": at("z_s"), "pitch": at("pitch"), "roll": at("roll")}
     return {
         "t": (way.time[shown] - BEFORE).tolist(),
         "x": (way.x[shown] - BEFORE * speed).tolist(),
         "body": {name: next(iter(rows.values())) for name, rows in body.items() if rows} if known else {},
         "wheels": at("z_u"),
+        "seats": {name: z for name, z in at("z_s").items() if name in seats},
         "ground": at("z_r"),
         "acceleration": next(iter(at("bacc").values()), []),
     }

@@ -67,7 +67,12 @@ class Scene:
     @cached_property
     def ride(self) -> Ride:
         """All metrics: one solution, over all speeds where the vehicle can go so fast."""
-        return self.attempt(lambda scene: _ridden(scene, SPEEDS)) or _ridden(self, SPEEDS[:0])
+        try:
+            return _ridden(self, SPEEDS)
+        except (ValueError, TypeError) as error:
+            alone = _ridden(self, SPEEDS[:0])  # What is wrong at its own speed as well is said of that.
+            self.note(error)
+            return alone
 
     @cached_property
     def straight(self) -> Any:
@@ -94,10 +99,14 @@ class Scene:
         try:
             return part(self)
         except (ValueError, TypeError) as error:
-            line = {"parameter": "", "message": str(error)}
-            if line not in self.errors:
-                self.errors.append(line)
+            self.note(error)
             return None
+
+    def note(self, error: Exception) -> None:
+        """Say once what was refused."""
+        line = {"parameter": "", "message": str(error)}
+        if line not in self.errors:
+            self.errors.append(line)
 
 
 def share(scenes: Sequence[Scene]) -> None:

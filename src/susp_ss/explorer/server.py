@@ -50,6 +50,8 @@ def guard(server: Any, scripts: Sequence[str]) -> None:
         foreign = origin is not None and origin != request.host_url.rstrip("/")
         if foreign or (site not in ("same-origin", "none") and not linked):
             abort(403, "this explorer answers pages of its own alone")
+        if request.path == "/_dash-update-component":  # Dash would take the shape of what is asked there for granted.
+            abort(400, "this explorer has no callback of Dash to answer")
 
     @server.after_request
     def keep_to_itself(response: Any) -> Any:

@@ -38,12 +38,15 @@ class Given:
         Of a file, for the model ``"file"``.
     road : Road, optional
         Where the road begins; a measured one keeps its spectrum.
+    profile : str
+        What the road was measured by, in words; the page may then choose between its spectrum and a class's.
     surrogates : mapping of str to SuspensionSurrogate
         By the name of their file.
     """
 
     vehicle: RoadVehicle | None = None
     road: Road = DEFAULT_ROAD
+    profile: str = ""
     surrogates: Mapping[str, Any] = dataclasses.field(default_factory=dict)
 
     @cached_property
@@ -55,7 +58,7 @@ class Given:
     @cached_property
     def tables(self) -> dict[str, tuple[Number | Choice, ...]]:
         """For each model, what the page may set."""
-        return {name: rows(car, self.road) for name, car in self.models.items()}
+        return {name: rows(car, self.road, self.profile) for name, car in self.models.items()}
 
     def default(self, model: str | None = None) -> dict[str, Any]:
         """The state in which nothing is set."""
@@ -123,12 +126,7 @@ def checked(state: Any, given: Given = NOTHING) -> tuple[dict[str, Any], list[di
         if right.get(row.table, ()) is None:
             right[row.table] = {other.key: other.default for other in known.values() if other.table == row.table}
         _put(right, row, _plain(row, value))
-    for row in given.tables[model]:
-        message = "" if right["seat"] else _unseated(right, row)
-        if message:
-            errors.append(_error(row.name, message))
-            _put(right, row, row.default)
-    return right, errors
+    return right, errors + _unseated(right, given.tables[model])
 
 
 def query(state: Mapping[str, Any], given: Given = NOTHING) -> str:
@@ -153,7 +151,9 @@ def query(state: Mapping[str, Any], given: Given = NOTHING) -> str:
 
 
 def from_query(text: str, given: Given = NOTHING) -> tuple[dict[str, Any], list[dict[str, str]]]:
-    """The state of a URL's query, and what is wrong with it, as `checked` returns both.
+    """The state of a URL, or of its query alone, and what is wrong with it, as `checked` returns both.
+
+    Pins, with which the page compares it, are no part of it.
 
     Examples
     --------
@@ -161,8 +161,12 @@ def from_query(text: str, given: Given = NOTHING) -> tuple[dict[str, Any], list[
     >>> state, errors = from_query("model=quarter&ks=20000&cs=fast")
     >>> state["vehicle"]["ks"], [error["parameter"] for error in errors]
     (20000.0, ['cs'])
+    >>> from_query("http://127.0.0.1:8050/?model=quarter&pin=model%3Dquarter%26ks%3D20000")[1]
+    []
     """
-    said = dict(parse_qsl(text, keep_blank_values=True))
+    if text.startswith(("http://", "https://", "/", "?")):
+        text = text.partition("?")[2].partition("#")[0]
+    said = {name: word for name, word in parse_qsl(text, keep_blank_values=True) if name != "pin"}
     model = said.pop("model", next(iter(given.models)))
     known = {row.name: row for row in given.tables.get(model, given.tables[next(iter(given.models))])}
     state: dict[str, Any] = {"model": model}
@@ -185,13 +189,19 @@ def _leaves(state: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
             yield "", table, part
 
 
-def _unseated(state: Mapping[str, Any], row: Number | Choice) -> str:
-    """What is wrong with an output of a seat that is not there."""
-    if not isinstance(row, Choice) or not row.seated:
-        return ""
-    own = _get(state, row)
-    seated = [one for one in (own if row.several else [own]) if one in row.seated]
-    return f"{row.name} {seated[0]} needs a seat, got none" if seated else ""
+def _unseated(state: dict[str, Any], table: tuple[Number | Choice, ...]) -> list[dict[str, str]]:
+    """Take outputs of a seat that is not there out of a state, the default in their place where no other is left."""
+    errors = []
+    for row in table:
+        if state["seat"] or not isinstance(row, Choice) or not row.seated:
+            continue
+        own = _get(state, row) if row.several else [_get(state, row)]
+        left = [one for one in own if one not in row.seated]
+        if len(left) < len(own):
+            missing = next(one for one in own if one in row.seated)
+            errors.append(_error(row.name, f"{row.name} {missing} needs a seat, got none"))
+            _put(state, row, left or row.default)
+    return errors
 
 
 def _wrong(row: Number | Choice, value: Any) -> str:

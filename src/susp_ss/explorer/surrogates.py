@@ -33,7 +33,7 @@ def predictions(name: str, fitted: SuspensionSurrogate, vehicle: RoadVehicle, ro
     ValueError
         A vehicle that has not one value for each input.
     """
-    design = {own: _value(name, own, vehicle, road) for own in fitted.inputs}
+    design = {own: _value(own, vehicle, road) for own in fitted.inputs}
     X = pd.DataFrame([design])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NoIntervalWarning)
@@ -64,16 +64,16 @@ def _exact(fitted: SuspensionSurrogate, design: dict[str, float], vehicle: RoadV
     return {row.name: float(row.values[0]) for row in rows}
 
 
-def _value(surrogate: str, name: str, vehicle: RoadVehicle, road: Road) -> float:
+def _value(name: str, vehicle: RoadVehicle, road: Road) -> float:
     """The value of an input that the vehicle or the road has."""
     if name in ROAD:
         return float(getattr(road, name))
     if not isinstance(vehicle, Vehicle) or name not in vehicle.settings():
-        raise ValueError(f"{surrogate} has the input {name}, which {type(vehicle).__name__} has not")
+        raise ValueError(f"needs {name}, which {type(vehicle).__name__} has not")
     field, wheels = vehicle.settings()[name]
     own = dict(zip(vehicle.wheels, map(rate_of, vehicle.at_wheels(field)), strict=True))
     values = {own[wheel] for wheel in wheels}
     if len(values) > 1:
         said = ", ".join(f"{wheel} {own[wheel]:g}" for wheel in wheels)
-        raise ValueError(f"{surrogate} has one {name} for all of {', '.join(wheels)}; give them one value, got {said}")
+        raise ValueError(f"needs one {name} for all of {', '.join(wheels)}, got {said}")
     return float(values.pop())

@@ -13,7 +13,7 @@ from ..vehicles.curves import rate_of
 from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.seats import Seat
 from ..vehicles.vehicle import Vehicle
-from .rows import output_names
+from .rows import named, output_names
 from .seat import DRIVER, seated, takes_seat
 
 TINY = 1e-6
@@ -110,10 +110,19 @@ CURVE = (
 )
 
 
-def rows(car: RoadVehicle, road: Road) -> tuple[Number | Choice, ...]:
-    """Everything that the page may set of a vehicle on a road, and of what it shows."""
+MEASURED, CLASS = "measured", "ISO 8608"
+"""Spectra between which the page may choose where a road is measured."""
+
+
+def rows(car: RoadVehicle, road: Road, profile: str = "") -> tuple[Number | Choice, ...]:
+    """Everything that the page may set of a vehicle on a road, and of what it shows.
+
+    ``profile`` names what the road was measured by; classes are then a choice beside it.
+    """
     curve = CURVE if takes_curve(car) else ()
-    return (*_vehicle(car), *curve, *_seat(car), *_road(road), *BUMP, *_shown(car))
+    spectrum = (Choice("spectrum", "road", "spectrum", "road", profile, (MEASURED, CLASS), MEASURED),)
+    measured = spectrum if profile else ()
+    return (*_vehicle(car), *curve, *_seat(car), *measured, *_road(road), *BUMP, *_shown(car))
 
 
 def _slider(
@@ -168,7 +177,7 @@ def _vehicle(car: RoadVehicle) -> Iterator[Number]:
         for place, own in _places(car, name):
             group = next((group for group, some in GROUPS.items() if _stem(name) in some), "handling")
             symbol = f" {quantity.symbol}" if quantity.symbol else ""
-            label = f"{quantity.meaning}{symbol}" + (f", {place}" if place else "")
+            label = f"{quantity.meaning}{symbol}" + (f", {named(place)}" if place else "")
             known = quantity._replace(name=_stem(name))
             yield _slider(signal(name, place), "vehicle", signal(name, place), group, label, known, own, car)
 
@@ -207,8 +216,8 @@ def _seat(car: RoadVehicle) -> Iterator[Number]:
     for key, quantity in Seat.quantities().items():
         rotation, own = places.get(key, ("", getattr(Seat, key)))
         if not rotation or rotation in car.layout().variables:
-            named = quantity._replace(name=f"seat_{key}")
-            yield _slider(f"seat_{key}", "seat", key, "seat", quantity.meaning, named, own, car)
+            known = quantity._replace(name=f"seat_{key}")
+            yield _slider(f"seat_{key}", "seat", key, "seat", quantity.meaning, known, own, car)
 
 
 def _road(road: Road) -> Iterator[Number | Choice]:

@@ -536,7 +536,8 @@ def _span(value: Any) -> str:
     if lazy(value):
         return f"{value.size} values of"
     values = np.asarray(value)
-    return f"{values:g}" if not values.ndim else f"{values.min():g} to {values.max():g}"
+    low, high = values.min(), values.max()
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
 def _wavenumbers(n: ArrayLike) -> NDArray[np.float64]:

@@ -92,10 +92,12 @@ class _GaussianProcess(Approximation):
         return (mean, self._std(designs)) if return_std else mean
 
     def _at(self, designs: Array) -> Array:
-        return self._batched(self.process_.mean, designs)
+        (mean,) = self._batched(designs, self._guides(designs), self.process_.mean)
+        return mean
 
     def _std(self, designs: Array) -> Array:
-        return self.calibration_ * self._batched(self.process_.std, designs)
+        (std,) = self._batched(designs, self._guides(designs), self.process_.std)
+        return self.calibration_ * std
 
     def covariance(self, X: ArrayLike) -> Array:
         """Return the covariance of the responses at designs that the runs leave, without a run's own noise.
@@ -112,15 +114,21 @@ class _GaussianProcess(Approximation):
             takes of it stands in ``susp_ss.surrogates.next_designs``.
         """
         designs = self._columns(X)
-        return self.process_.covariance(self.box_.transform(designs), self._trend_at(designs))
+        return self.process_.covariance(*self._scaled(designs, self._guides(designs)))
 
-    def _at_with_size(self, designs: Array) -> tuple[Array, Array]:
+    def _common(self, designs: Array) -> tuple[Array, ...]:
+        return (self._guides(designs),)
+
+    def _at_with_size(self, designs: Array, *common: Array) -> tuple[Array, Array]:
         # Where a trend meets all runs, next to nothing: errors are then alike.
-        return self._at(designs), np.maximum(self._std(designs), np.finfo(float).tiny)
+        (guides,) = common or self._common(designs)
+        mean, std = self._batched(designs, guides, self.process_.mean, self.process_.std)
+        return mean, np.maximum(self.calibration_ * std, np.finfo(float).tiny)
 
-    def _batched(self, of: Callable[[Array, Array], Array], designs: Array) -> Array:
-        Z, P = self.box_.transform(designs), self._trend_at(designs)
-        return np.concatenate([of(Z[some], P[some]) for some in gen_batches(len(designs), BATCH)])
+    def _batched(self, designs: Array, guides: Array, *parts: Callable[[Array, Array], Array]) -> list[Array]:
+        Z, P = self._scaled(designs, guides)
+        batches = list(gen_batches(len(designs), BATCH))
+        return [np.concatenate([part(Z[some], P[some]) for some in batches]) for part in parts]
 
     def predict_left_out(self, folds: Sequence[NDArray[np.intp]]) -> tuple[Array, Array]:
         """Predict runs by the others alone, in closed form, with thetas, noise, trend and calibration of all.
@@ -175,9 +183,10 @@ class _GaussianProcess(Approximation):
             raise ValueError(f"the trend has {guides[0, np.argmax(level)]:g} for every run, which leads nowhere")
         return self.box_.transform(designs), (guides - self._centre) / self._spread
 
-    def _trend_at(self, designs: Array) -> Array:
-        guides = (self._guides(designs) - self._centre) / self._spread
-        return _trend(self.box_.transform(designs), guides, self._degree)
+    def _scaled(self, designs: Array, guides: Array) -> tuple[Array, Array]:
+        """Designs on scaled columns, and the columns of the trend there."""
+        Z = self.box_.transform(designs)
+        return Z, _trend(Z, (guides - self._centre) / self._spread, self._degree)
 
     def _take(self, degree: int, process: Prediction, calibration: float | None = None) -> None:
         self._degree, self.process_ = degree, process

@@ -181,34 +181,43 @@ class Approximation(Surrogate):
         Designs and responses that an interpolant goes through.
     """
 
-    _deputies: list[tuple[Approximation, NDArray[np.intp]]] | None = None
+    _deputies: list[tuple[Approximation, NDArray[np.intp], Array]] | None = None
 
-    def _without(self) -> list[tuple[Approximation, NDArray[np.intp]]]:
-        """Fits without each design, or a tenth of more than 30 runs, shapes and thetas their own; and what they lack.
+    def _without(self) -> list[tuple[Approximation, NDArray[np.intp], Array]]:
+        """Fits without each design, or a tenth of more than 30 runs, shapes and thetas their own.
+
+        With what each lacks, and how far it misses that in terms of the size of its errors there.
 
         Thetas that have seen a run flatter the error there, so that the closed forms make no intervals.
         """
         if self._deputies is None:
             designs, responses = self.runs_
             with one_blas_thread():
-                self._deputies = [
+                parts = [
                     (unfitted(self).fit(designs[fitted], responses[fitted]), left_out)
                     for fitted, left_out in split(designs, None, 0)
                 ]
+            self._deputies = []
+            for deputy, lacking in parts:
+                there, size = deputy._at_with_size(designs[lacking])
+                self._deputies.append((deputy, lacking, np.abs(responses[lacking] - there) / size))
         return self._deputies
 
-    def _at_with_size(self, designs: Array) -> tuple[Array, Array]:
+    def _common(self, designs: Array) -> tuple[Array, ...]:
+        """What fits to any of the runs make of designs alike."""
+        return ()
+
+    def _at_with_size(self, designs: Array, *common: Array) -> tuple[Array, Array]:
         """Predictions (N,), and what the size (N,) of their errors is proportional to, as far as this is known."""
         return self._at(designs), np.ones(len(designs))
 
     def _others(self, designs: Array) -> tuple[Array, Array]:
-        runs, responses = self.runs_
-        by_others, misses = (np.empty((len(designs), len(runs))) for _ in range(2))
-        for deputy, lacking in self._without():
-            predicted, size = deputy._at_with_size(designs)
-            there, size_there = deputy._at_with_size(runs[lacking])
+        common = self._common(designs)
+        by_others, misses = (np.empty((len(designs), len(self.runs_[0]))) for _ in range(2))
+        for deputy, lacking, missed in self._without():
+            predicted, size = deputy._at_with_size(designs, *common)
             by_others[:, lacking] = predicted[:, None]
-            misses[:, lacking] = np.outer(size, np.abs(responses[lacking] - there) / size_there)
+            misses[:, lacking] = np.outer(size, missed)
         return by_others, misses
 
     def _box(self, designs: Array) -> MinMaxScaler:

@@ -6,10 +6,17 @@ explorer.Car = class {
   static SIZES = { car: { radius: 0.31, mount: 0.62, height: 1.4 }, truck: { radius: 0.5, mount: 1.0, height: 3.1 } };
   static DEPTH = [0.3, 0.24]; // How far the far side lies to the right of and above the near one, per metre.
 
-  // A drawing of the wheels at places {name: [ahead, left]} in metres.
-  constructor(places) {
+  // What people sit on rests on the floor, a little below the springs' mounts, in a car of one point on its roof; their
+  // cushion's height above it.
+  static FLOOR = { below: 0.12, roof: 1.2 };
+  static CUSHION = 0.24;
+  static RIDER = "M-0.11,0L-0.11,-0.16Q-0.11,-0.24 0,-0.24Q0.11,-0.24 0.11,-0.16L0.11,0ZM-0.09,-0.34a0.09,0.09 0 1 0 0.18,0a0.09,0.09 0 1 0 -0.18,0Z";
+
+  // A drawing of the wheels, and of riders on seats, at places {name: [ahead, left]} in metres.
+  constructor(places, seats = {}) {
     const { svg } = explorer;
     this.places = places;
+    this.seats = seats;
     const [x, y] = [0, 1].map((i) => Object.values(places).map((place) => place[i]));
     [this.rear, this.front] = [Math.min(...x), Math.max(...x)];
     [this.right, this.left] = [Math.min(...y), Math.max(...y)];
@@ -36,7 +43,14 @@ explorer.Car = class {
     });
     const half =
       this.behind || this.single ? drawn.length : drawn.filter((_, i) => places[order[i]][1] > this.right).length;
-    this.group.append(...drawn.slice(0, half).flat(), this.far, this.near, ...drawn.slice(half).flat());
+    this.riders = new Map(
+      Object.keys(seats).map((name) => {
+        const rider = svg("path", { class: "rider", d: explorer.Car.RIDER });
+        return [name, { spring: svg("path", { class: "spring" }), rider }];
+      }),
+    );
+    const riders = [...this.riders.values()].flatMap(({ spring, rider }) => [spring, rider]);
+    this.group.append(...drawn.slice(0, half).flat(), this.far, this.near, ...riders, ...drawn.slice(half).flat());
   }
 
   // The picture's frame in metres: left, top, width, height (z up is minus).
@@ -44,7 +58,8 @@ explorer.Car = class {
     const [side, up] = this.sides();
     const reach = this.behind ? [this.right - 0.35, this.left + 0.35] : this.ends(side);
     const low = this.single ? [-0.7, 0.7] : reach;
-    return [low[0], -(this.height + up + margin), low[1] - low[0], this.height + up + 2 * margin];
+    const top = this.single && this.riders.size ? 1.9 : this.height + up;
+    return [low[0], -(top + margin), low[1] - low[0], top + 2 * margin];
   }
 
   ends(side) {
@@ -56,8 +71,8 @@ explorer.Car = class {
     return this.behind ? [0, 0] : explorer.Car.DEPTH.map((by) => by * (this.left - this.right));
   }
 
-  // Motion in metres and rad of the drawing: {heave, pitch, roll, wheels: {name: z}}.
-  move({ heave = 0, pitch = 0, roll = 0, wheels }) {
+  // Motion in metres and rad of the drawing: {heave, pitch, roll, wheels: {name: z}, seats: {name: z}}.
+  move({ heave = 0, pitch = 0, roll = 0, wheels, seats }) {
     const at = (x, y, z) => {
       const height = z + heave - pitch * x + roll * y;
       if (this.behind) return `${-y},${-height}`;
@@ -71,11 +86,23 @@ explorer.Car = class {
       const far = outline(this.left);
       this.far.setAttribute("d", this.seen.map(([i, j]) => `M${near[i]}L${far[i]}L${far[j]}L${near[j]}Z`).join(""));
     }
+    const shifted = ([x, y]) => {
+      const [side, up] = this.behind ? [0, 0] : explorer.Car.DEPTH.map((by) => by * (y - this.right));
+      return [this.behind ? -y : x + side, up];
+    };
+    for (const [name, { spring, rider }] of this.riders) {
+      const [x, y] = this.seats[name];
+      const [across, up] = shifted([x, y]);
+      const { below, roof } = explorer.Car.FLOOR;
+      const level = (this.single ? roof : this.mount - below) + up;
+      const cushion = level + explorer.Car.CUSHION + (seats?.[name] ?? 0);
+      rider.setAttribute("transform", `translate(${across.toFixed(4)} ${(-cushion).toFixed(4)})`);
+      spring.setAttribute("d", explorer.Car.coil(across, level + heave - pitch * x + roll * y, cushion));
+    }
     for (const [name, { spring, wheel }] of this.wheels) {
       const [x, y] = this.places[name];
       const hub = this.radius + (wheels?.[name] ?? 0);
-      const [side, up] = this.behind ? [0, 0] : explorer.Car.DEPTH.map((by) => by * (y - this.right));
-      const across = this.behind ? -y : x + side;
+      const [across, up] = shifted([x, y]);
       wheel.setAttribute("transform", `translate(${across.toFixed(4)} ${(-(hub + up)).toFixed(4)})`);
       const top = this.mount + heave - pitch * x + roll * y + up;
       spring.setAttribute("d", explorer.Car.coil(across, hub + up, top));
@@ -121,8 +148,8 @@ explorer.Car = class {
       [b - 0.66, 0.82],
       [b - 0.25, 0.92],
       [b + 0.16 * length, 1.3],
-      [b + 0.58 * length, 1.32],
-      [b + 0.8 * length, 0.92],
+      [b + 0.68 * length, 1.32],
+      [b + 0.9 * length, 0.92],
       [a + 0.5, 0.78],
       [a + 0.7, 0.6],
       [a + 0.7, 0.42],
@@ -158,6 +185,12 @@ explorer.Car = class {
       return [{ f: a, m: -middle, r: -b }[name[0]], name[1] === "l" ? c : -c];
     };
     return Object.fromEntries(names.map((name) => [name, place(name)]));
+  }
+
+  // Where seats are: the page's own, or those of a file's car.
+  static seats(names, { seat, vehicle }) {
+    const at = (name, of) => seat?.[of] ?? vehicle[`seat_${of}_${name}`] ?? 0;
+    return Object.fromEntries(names.map((name) => [name, [at(name, "x"), at(name, "y")]]));
   }
 };
 

@@ -18,6 +18,7 @@ explorer.Chart = class {
     this.host = host;
     this.grid = svg("g", { class: "grid" });
     this.marks = svg("g", { "clip-path": `url(#clip-${host.id})` });
+    this.offers = svg("g");
     this.title = svg("text", { class: "title", x: 2, y: 12 });
     this.under = svg("text", { class: "under", "text-anchor": "end" });
     this.cursor = svg("path", { class: "cursor" });
@@ -25,7 +26,7 @@ explorer.Chart = class {
     this.inside = svg("rect");
     this.picture = svg("svg", { role: "img" });
     const clip = svg("clipPath", { id: `clip-${host.id}` }, this.inside);
-    this.picture.append(clip, this.grid, this.marks, this.cursor, this.title, this.under, this.reading);
+    this.picture.append(clip, this.grid, this.offers, this.marks, this.cursor, this.title, this.under, this.reading);
     this.drawn = new Map();
     host.replaceChildren(this.picture);
     new ResizeObserver(() => this.measure()).observe(host);
@@ -65,23 +66,39 @@ explorer.Chart = class {
     this.frame(x, y);
     this.picture.setAttribute("aria-label", shown.words || shown.y.label);
     for (const line of shown.lines) this.mark(line, explorer.Chart.path);
-    for (const point of shown.points || []) this.mark(point, explorer.Chart.dot);
+    for (const point of shown.points || []) {
+      const element = this.mark(point, explorer.Chart.dot, point.act ? this.offers : this.marks);
+      if (point.act) explorer.Chart.offer(element, point);
+    }
     const keys = new Set(marks.map(({ key }) => key));
     for (const [key, { element }] of this.drawn) {
       if (!keys.has(key)) (element.remove(), this.drawn.delete(key));
     }
+    this.picture.setAttribute("role", this.offers.hasChildNodes() ? "group" : "img");
     if (shown.at !== undefined) this.point(shown.at);
   }
 
   // A pinned design, whose values stay, is drawn again only where the ranges change.
-  mark(mark, path) {
+  mark(mark, path, into = this.marks) {
     const { key, style } = mark;
-    if (!this.drawn.has(key)) this.drawn.set(key, { element: this.marks.appendChild(explorer.svg("path")) });
+    if (!this.drawn.has(key)) this.drawn.set(key, { element: into.appendChild(explorer.svg("path")) });
     const { element, x, y, ranges } = this.drawn.get(key);
     if (element.getAttribute("class") !== style) element.setAttribute("class", style);
-    if (x === mark.x && y === mark.y && ranges === this.ranges) return;
+    if (x === mark.x && y === mark.y && ranges === this.ranges) return element;
     this.drawn.set(key, { element, x: mark.x, y: mark.y, ranges: this.ranges });
     element.setAttribute("d", path(mark, this.scales.x, this.scales.y));
+    return element;
+  }
+
+  // A point that can be taken, by pointer or key, and says what it is.
+  static offer(element, { words, act }) {
+    element.onclick = act;
+    element.onkeydown = (event) => ["Enter", " "].includes(event.key) && (event.preventDefault(), act());
+    if (element.getAttribute("aria-label") === words) return;
+    for (const [key, value] of Object.entries({ role: "button", tabindex: 0, "aria-label": words })) {
+      element.setAttribute(key, value);
+    }
+    element.replaceChildren(explorer.svg("title", {}, words));
   }
 
   static dot(point, x, y) {

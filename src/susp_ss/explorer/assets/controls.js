@@ -29,7 +29,7 @@ explorer.controls = (() => {
   let show = []; // For each row, a function that shows a state.
   let changed = () => {};
 
-  // Say whom to tell: changed(row, value).
+  // Say whom to tell: changed(row, value), and more [row, value] where one step sets several.
   const listen = (told) => (changed = told);
 
   function update(state) {
@@ -59,7 +59,7 @@ explorer.controls = (() => {
   function group(name, rows) {
     const parts = [];
     for (const table of new Set(rows.map((row) => row.table))) {
-      const some = rows.filter((row) => row.table === table).map(control);
+      const some = rows.filter((row) => row.table === table && row.name !== "spectrum").map(control);
       parts.push(...(explorer.state.optional({ table }) ? [optional(table, some)] : some));
     }
     if (PLACED[name] && name !== "frequency") return html("div", { role: "group", "aria-label": name }, ...parts);
@@ -86,11 +86,18 @@ explorer.controls = (() => {
 
   const control = (row) => (row.kind === "choice" ? (row.several ? boxes(row) : choice(row)) : slider(row));
 
+  // Whether an option is of the seat, and there is none.
+  const absent = (row, option, state) => !state.seat && row.seated.includes(option);
+
   function choice(row) {
     const options = row.options.map((option) => html("option", { value: option }, explorer.words.output(option)));
     const select = html("select", { name: row.name }, ...options);
     select.addEventListener("change", () => changed(row, select.value));
-    show.push((state) => (select.value = explorer.state.get(state, row)));
+    show.push((state) => {
+      [...select.options].forEach((option) => (option.hidden = option.disabled = absent(row, option.value, state)));
+      select.value = explorer.state.get(state, row);
+      select.title = select.selectedOptions[0].textContent;
+    });
     const caption = explorer.words.symbols(explorer.words.sentence(row.label));
     return html("label", { class: "choice" }, html("span", {}, ...caption), select);
   }
@@ -103,7 +110,10 @@ explorer.controls = (() => {
     }
     show.push((state) => {
       const value = explorer.state.get(state, row);
-      for (const box of each) box.checked = value.includes(box.value);
+      for (const box of each) {
+        box.checked = value.includes(box.value);
+        box.parentNode.hidden = absent(row, box.value, state);
+      }
     });
     const labels = each.map((box) => html("label", {}, box, explorer.words.output(box.value)));
     return html("fieldset", { class: "boxes" }, html("legend", {}, explorer.words.sentence(row.label)), ...labels);
@@ -149,7 +159,8 @@ explorer.controls = (() => {
     });
     show.push((state) => {
       const value = explorer.state.get(state, row);
-      if (value === undefined || value === null || value === range.shown) return;
+      const right = field.getAttribute("aria-invalid") !== "true";
+      if (value === undefined || value === null || (value === range.shown && right)) return;
       range.shown = value;
       range.value = along(value);
       field.value = digits(value);
@@ -169,14 +180,25 @@ explorer.controls = (() => {
     );
   }
 
-  // A road's class by ISO 8608 sets the roughness to the class's mean.
+  // A road's class by ISO 8608 sets the roughness to the class's mean; beside them, a measured road is as it was.
   function classes(row) {
     const known = explorer.table.classes;
-    const options = Object.keys(known).map((name) => html("option", { value: name }, name));
-    const select = html("select", { "aria-label": "Road class by ISO 8608", title: "Class by ISO 8608" }, ...options);
-    select.addEventListener("change", () => changed(row, known[select.value]));
+    const [spectrum, waviness] = ["spectrum", "waviness"].map((name) =>
+      explorer.state.rows(model).find((one) => one.name === name),
+    );
+    const names = [...(spectrum ? ["measured"] : []), ...Object.keys(known)];
+    const options = names.map((name) => html("option", { value: name }, name));
+    const title = spectrum ? `Measured: ${spectrum.label}; or class by ISO 8608` : "Class by ISO 8608";
+    const select = html("select", { "aria-label": `Road. ${title}`, title }, ...options);
+    select.addEventListener("change", () => {
+      const value = known[select.value];
+      if (!spectrum) return changed(row, value);
+      const other = waviness ? [[waviness, value ? 2 : waviness.default]] : [];
+      changed(spectrum, spectrum.options[value ? 1 : 0], [[row, value ?? row.default], ...other]);
+    });
     // Classes reach a factor of two either way of their mean.
     show.push((state) => {
+      if (spectrum && explorer.state.get(state, spectrum) === "measured") return (select.value = "measured");
       const value = explorer.state.get(state, row);
       const distance = (name) => Math.abs(Math.log(known[name] / value));
       select.value = Object.keys(known).reduce((best, name) => (distance(name) < distance(best) ? name : best));

@@ -47,6 +47,9 @@ explorer.words = (() => {
   const known = () => explorer.table.words;
   const split = (name) => name.split("@");
 
+  // An output by one name with a seat and without: only beside a seat has the one point of a quarter car a name.
+  const bare = (name) => name.replace(/@body$/, "");
+
   function output(name) {
     const [metric, place] = split(name);
     const meaning = known().quantities[metric]?.meaning ?? metric;
@@ -84,5 +87,5 @@ explorer.words = (() => {
   const sentence = (text) => text[0].toUpperCase() + text.slice(1);
   const within = (text, unit) => (unit ? `${text} (${unit})` : text);
 
-  return { model: null, output, placed, title, symbols, shown, metric, sentence, within };
+  return { model: null, bare, output, placed, title, symbols, shown, metric, sentence, within };
 })();

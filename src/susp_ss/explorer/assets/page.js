@@ -103,16 +103,17 @@ explorer.page = (() => {
   function move(name, next) {
     here = { ...here, ...next };
     address = [];
+    wrong.clear();
     explorer.steps.move(name, explorer.state.write(here));
     shown();
   }
 
-  function set(row, value) {
+  function set(row, value, more = []) {
     const state = structuredClone(here.state);
-    if (!row.whole) explorer.state.put(state, row, value);
+    if (!row.whole) for (const pair of [[row, value], ...more]) explorer.state.put(state, ...pair);
     else if (value) explorer.state.begin(state, row.name);
     else state[row.name] = null;
-    wrong.delete(row.name);
+    explorer.state.unseated(state);
     move(row.kind === "number" ? row.name : null, { state });
   }
 
@@ -168,6 +169,17 @@ explorer.page = (() => {
     draw();
   }
 
+  // Springs and dampers by name, within the reach of their sliders.
+  function take(design) {
+    const state = structuredClone(here.state);
+    for (const row of explorer.state.rows(state.model)) {
+      if (row.table !== "vehicle" || !(row.key in design)) continue;
+      const value = Number(design[row.key].toPrecision(6));
+      explorer.state.put(state, row, Math.min(row.most, Math.max(row.least, value)));
+    }
+    move(null, { state });
+  }
+
   function refuse(name, message) {
     if (message) wrong.set(name, message);
     else wrong.delete(name);
@@ -207,6 +219,7 @@ explorer.page = (() => {
     const { errors, ...found } = explorer.state.read(location.search);
     here = found;
     address = errors;
+    wrong.clear();
     shown();
   }
 
@@ -313,7 +326,7 @@ explorer.page = (() => {
     draw(["carpet"]);
   }
 
-  return { start, refuse };
+  return { start, refuse, take };
 })();
 
 window.dash_clientside = Object.assign(window.dash_clientside || {}, {

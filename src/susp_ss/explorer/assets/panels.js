@@ -5,7 +5,7 @@ window.explorer = window.explorer || {};
 explorer.panels = (() => {
   const { html, svg } = explorer;
   const { brief, change } = explorer.numbers;
-  const { output, title, metric, within } = explorer.words;
+  const { bare, output, title, metric, within } = explorer.words;
 
   const body = (name) => document.getElementById(name);
   const charts = new Map();
@@ -116,7 +116,7 @@ explorer.panels = (() => {
         y: { label: within(title(name), shown), one },
         lines: lines(designs, ({ speeds: of }) => ({
           x: of?.speed,
-          y: of?.metrics.find((each) => each.name === name)?.values,
+          y: of?.metrics.find((each) => bare(each.name) === bare(name))?.values,
         })),
         at: state.road.speed,
         words: `${output(name)} over speed`,
@@ -132,7 +132,7 @@ explorer.panels = (() => {
       one: metric(name).one,
       least: 0.2,
     });
-    const value = (results, name) => results.metrics?.find((each) => each.name === name)?.value ?? null;
+    const value = (results, name) => results.metrics?.find((each) => bare(each.name) === bare(name))?.value ?? null;
     const points = designs
       .filter(({ results }) => results)
       .map(({ name, style, results }) => ({
@@ -141,7 +141,8 @@ explorer.panels = (() => {
         name,
         x: [value(results, x)],
         y: [value(results, y)],
-      }));
+      }))
+      .filter((point) => point.x[0] !== null && point.y[0] !== null);
     const { carpet: grid, front, bound } = background ?? {};
     const path = (key, found, style = key) =>
       found
@@ -152,21 +153,41 @@ explorer.panels = (() => {
     const mesh = [...springs, ...dampers].flatMap((points, i) =>
       path(`mesh-${i}`, points, i < springs.length ? "mesh" : "mesh dampers"),
     );
-    const here = points[0];
-    const [across, up] = [brief(here.x[0] / metric(x).one), brief(here.y[0] / metric(y).one)];
+    const best = (front?.designs ?? []).map((design, i) => ({
+      key: `best-${i}`,
+      style: "point best",
+      x: [front.points[i][0]],
+      y: [front.points[i][1]],
+      words: `Take the design of ${inWords(design, state)}`,
+      act: () => explorer.page.take(design),
+    }));
+    const at = (name) => brief(scaled(value(designs[0].results, name), metric(name).one));
     chart("carpet", "plane", "tall").draw({
       x: axis(x),
       y: axis(y),
       lines: [...mesh, ...path("bound", bound?.points), ...path("front", front?.points)],
-      points: points.reverse(), // Its own place above the others.
+      points: [...best, ...points.reverse()], // Its own place above the others.
       still: true,
-      words: `${output(y)} over ${output(x)}: this design at ${across} and ${up}`,
+      words: `${output(y)} over ${output(x)}: this design at ${at(x)} and ${at(y)}`,
     });
+  }
+
+  const scaled = (value, one) => (value === null ? null : value / one);
+
+  // Parameters of a vehicle by name, as those who cannot see the sliders are told.
+  function inWords(design, state) {
+    const rows = explorer.state.rows(state.model).filter(({ table, key }) => table === "vehicle" && key in design);
+    const said = rows.map((row) => {
+      const { one, unit } = explorer.words.shown(row);
+      return `${row.label} ${brief(design[row.key] / one)} ${unit}`;
+    });
+    return said.join("; ");
   }
 
   // Cars
 
   const placesOf = (wheels, state) => explorer.Car.places(Object.keys(wheels), state.vehicle);
+  const seatsOf = (seats, state) => explorer.Car.seats(Object.keys(seats), state);
 
   // Modes by their name and how many of that name are slower: another car may have others between them.
   function byName(modes) {
@@ -177,11 +198,12 @@ explorer.panels = (() => {
   function modes([{ results }, reference], state) {
     const host = body("modes");
     const places = placesOf(results.modes[0].shape.wheels, state);
-    const key = JSON.stringify([results.modes.length, places]);
+    const seats = seatsOf(results.modes[0].shape.seats, state);
+    const key = JSON.stringify([results.modes.length, places, seats]);
     if (host.dataset.shown !== key) {
       host.dataset.shown = key;
       host.cars = results.modes.map(() => {
-        const car = new explorer.Car(places);
+        const car = new explorer.Car(places, seats);
         const picture = svg("svg", { viewBox: car.box().join(" "), role: "img" }, car.group);
         const words = [html("b"), html("span"), html("span", { class: "quiet" }), html("span")];
         return { car, picture, words };
@@ -205,17 +227,19 @@ explorer.panels = (() => {
     explorer.motion.add(host, (time) => host.cars.forEach(({ car }, i) => car.move(shapes[i](3.5 * time))));
   }
 
-  // A mode at a phase, its largest displacement of body or wheels drawn alike.
+  // A mode at a phase, its largest displacement of body, wheels or seats drawn alike.
   const AMPLITUDE = 0.2;
-  function shaped({ wheels = {}, ...shape }, places) {
+  function shaped({ wheels = {}, seats = {}, ...shape }, places) {
     const { heave = [0, 0], pitch = [0, 0], roll = [0, 0] } = shape;
     const above = Object.values(places).map(([x, y]) => [0, 1].map((i) => heave[i] - x * pitch[i] + y * roll[i]));
-    const largest = Math.max(1e-9, ...[...above, ...Object.values(wheels)].map(([re, im]) => Math.hypot(re, im)));
+    const all = [...above, ...Object.values(wheels), ...Object.values(seats)];
+    const largest = Math.max(1e-9, ...all.map(([re, im]) => Math.hypot(re, im)));
     const now = ([re, im], cos, sin) => ((re * cos - im * sin) * AMPLITUDE) / largest;
     return (phase) => {
       const [cos, sin] = [Math.cos(phase), Math.sin(phase)];
-      const moved = Object.fromEntries(Object.entries(wheels).map(([name, z]) => [name, now(z, cos, sin)]));
-      return { heave: now(heave, cos, sin), pitch: now(pitch, cos, sin), roll: now(roll, cos, sin), wheels: moved };
+      const moved = (parts) => Object.fromEntries(Object.entries(parts).map(([name, z]) => [name, now(z, cos, sin)]));
+      const body = { heave: now(heave, cos, sin), pitch: now(pitch, cos, sin), roll: now(roll, cos, sin) };
+      return { ...body, wheels: moved(wheels), seats: moved(seats) };
     };
   }
 
@@ -226,10 +250,11 @@ explorer.panels = (() => {
     const host = body("ride");
     const { bump } = designs[0].results;
     const places = placesOf(bump.wheels, state);
-    const key = JSON.stringify([places, state.bump]);
+    const seats = seatsOf(bump.seats, state);
+    const key = JSON.stringify([places, seats, state.bump]);
     if (host.dataset.shown !== key) {
       host.dataset.shown = key;
-      set(host, places, state.bump);
+      set(host, places, seats, state.bump);
     }
     const trace = chart("ride", "trace", "small");
     const { one, unit } = metric("bacc");
@@ -247,16 +272,16 @@ explorer.panels = (() => {
       const now = (values, by = EXAGGERATED) => (values ? by * (values[i] + part * (values[i + 1] - values[i])) : 0);
       trace.point(t);
       if (!host.car) return;
-      const wheels = Object.fromEntries(Object.entries(bump.wheels).map(([name, z]) => [name, now(z)]));
-      host.car.move({ heave: now(bump.body.heave), pitch: now(bump.body.pitch), roll: now(bump.body.roll), wheels });
+      const moved = (parts) => Object.fromEntries(Object.entries(parts).map(([name, z]) => [name, now(z)]));
+      host.car.move({ ...moved(bump.body), wheels: moved(bump.wheels), seats: moved(bump.seats) });
       host.road.setAttribute("d", host.ground(now(bump.x, 1), now(Object.values(bump.ground)[0])));
     });
   }
 
   // A car on a road; none for a system of which no wheel is known.
-  function set(host, places, bump) {
+  function set(host, places, seats, bump) {
     const stage = host.querySelector(".stage") ?? host.appendChild(html("div", { class: "stage" }));
-    host.car = Object.keys(places).length ? new explorer.Car(places) : null;
+    host.car = Object.keys(places).length ? new explorer.Car(places, seats) : null;
     if (!host.car) return stage.replaceChildren();
     const [left, top, width] = host.car.box();
     const above = Math.min(-2.15, top);

@@ -54,14 +54,14 @@ explorer.state = (() => {
       const common = own(row) ? undefined : get(state, row);
       if (common !== undefined && !wrong(row, common)) put(alone, row, common);
     }
-    return alone;
+    return unseated(alone).state;
   }
 
   // What is right of a query; what is wrong with the rest is said.
   function read(text) {
     const query = new URLSearchParams(text);
     const errors = [];
-    let model = query.get("model") ?? models()[0];
+    let model = query.getAll("model").at(-1) ?? models()[0];
     if (!models().includes(model)) {
       errors.push(error("model", `model must be one of ${models().join(", ")}, got '${model}'`));
       model = models()[0];
@@ -70,7 +70,6 @@ explorer.state = (() => {
     const known = new Map(rows(model).map((row) => [row.name, row]));
     const { PINS } = explorer.state;
     const given = query.getAll("pin");
-    const pins = given.slice(0, PINS);
     if (given.length > PINS) errors.push(error("pin", `pin must be at most ${PINS} designs, got ${given.length}`));
     for (const [name, word] of query) {
       if (name === "model" || name === "pin") continue;
@@ -86,10 +85,28 @@ explorer.state = (() => {
         }
       }
     }
-    for (const pin of pins) {
-      for (const { message } of read(pin).errors) errors.push(error("pin", `pin: ${message}`));
-    }
+    errors.push(...unseated(state).errors);
+    // A pin of a model that is not there is none; what else is wrong in one is said, and the rest stands.
+    const pins = given.slice(0, PINS).filter((pin) => {
+      const found = read(pin).errors;
+      errors.push(...found.map(({ message }) => error("pin", `pin: ${message}`)));
+      return !found.some(({ parameter }) => parameter === "model");
+    });
     return { state, pins, errors };
+  }
+
+  // Without a seat, what else was asked for than its outputs, or else what is by default.
+  function unseated(state) {
+    const errors = [];
+    for (const row of state.seat ? [] : rows(state.model).filter(({ seated }) => seated?.length)) {
+      const own = [get(state, row)].flat();
+      const [missing] = own.filter((one) => row.seated.includes(one));
+      if (missing === undefined) continue;
+      errors.push(error(row.name, `${row.name} ${missing} needs a seat, got none`));
+      const left = row.several ? own.filter((one) => !row.seated.includes(one)) : [];
+      put(state, row, left.length ? left : structuredClone(row.default));
+    }
+    return { state, errors };
   }
 
   const number = (word) => (word.trim() && Number.isFinite(Number(word)) ? Number(word) : word);
@@ -114,7 +131,7 @@ explorer.state = (() => {
       const value = own(row) ? undefined : get(state, row);
       if (value !== undefined && !wrong(row, value)) put(next, row, value);
     }
-    return next;
+    return unseated(next).state;
   }
 
   // Without its springs and dampers: what the background of the carpet hangs on.
@@ -136,6 +153,7 @@ explorer.state = (() => {
     get,
     put,
     begin,
+    unseated,
     write,
     read,
     number,

@@ -5,7 +5,7 @@ window.explorer = window.explorer || {};
 explorer.tables = (() => {
   const { html } = explorer;
   const { brief, change } = explorer.numbers;
-  const { metric, sentence, within } = explorer.words;
+  const { bare, metric, sentence, within } = explorer.words;
   const body = (name) => document.getElementById(name);
   const cells = new Map(); // For each table, the cells to fill by row and column.
 
@@ -77,7 +77,7 @@ explorer.tables = (() => {
       })),
     ];
     const found = others.map(
-      ({ results }) => new Map((results?.metrics ?? []).map(({ name, value }) => [name, value])),
+      ({ results }) => new Map((results?.metrics ?? []).map(({ name, value }) => [bare(name), value])),
     );
     const rows = now.results.metrics.map(({ name, label, unit, value }) => {
       const [quantity, place] = name.split("@");
@@ -87,7 +87,7 @@ explorer.tables = (() => {
       const titled = sentence(within(meaning, shown));
       return {
         ...(place ? { group: titled, name: explorer.words.placed(place) } : { alone: true, name: titled }),
-        values: [text(value), changed(value, found[0].get(name)), ...found.map((some) => text(some.get(name)))],
+        values: [text(value), changed(value, found[0].get(bare(name))), ...found.map((of) => text(of.get(bare(name))))],
       };
     });
     table("metrics", "Metrics", columns, rows);
@@ -99,12 +99,13 @@ explorer.tables = (() => {
       text,
       style: { 4: "now", 5: "change" }[i],
     }));
-    const before = new Map((reference.results?.comfort ?? []).map(({ point, total }) => [point, total]));
+    const placed = ({ point }) => (point ? explorer.words.placed(point) : "body");
+    const before = new Map((reference.results?.comfort ?? []).map((one) => [placed(one), one.total]));
     const rows = results.comfort.map(({ point, wz, wroll, wpitch, total, words }) => ({
-      name: point ? explorer.words.placed(point) : "body",
+      name: placed({ point }),
       values: [
         ...[wz, wroll, wpitch, total].map((value) => value?.toFixed(3) ?? brief(value)),
-        changed(total, before.get(point)),
+        changed(total, before.get(placed({ point }))),
       ],
       note: words,
     }));
@@ -114,7 +115,8 @@ explorer.tables = (() => {
   function surrogates([{ results }]) {
     const styles = { predicted: "now", "vs exact": "change" };
     const columns = ["", "predicted", "exact", "vs exact"].map((text) => ({ text, style: styles[text] }));
-    const rows = results.surrogates.map(({ surrogate, output, unit, value, low, high, exact, outside }) => {
+    const rows = results.surrogates.map(({ surrogate, refused, output, unit, value, low, high, exact, outside }) => {
+      if (refused) return { name: surrogate, values: ["", "", ""], note: refused };
       const { one, unit: shown } = metric(output, unit);
       const text = (some, digits) => brief(some === null ? null : some / one, digits);
       const where = exact >= low && exact <= high ? "within" : "outside";

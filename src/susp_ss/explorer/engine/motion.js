@@ -151,7 +151,7 @@ function bump(car, { height, length, speed }) {
     const gain = meanExponential(scaled(rate, step), complex(0));
     return into.map((one) => product(one[k], gain));
   });
-  const felt = car.measured[0].row, found = { t: [], x: [], body: {}, wheels: {}, ground: {}, acceleration: [] };
+  const felt = car.measured[0].row, found = { t: [], x: [], body: {}, wheels: {}, seats: {}, ground: {}, acceleration: [] };
   const put = (at, place, value) => (at[place] ??= []).push(value);
   let amplitudes = rates.map(() => complex(0)), z = heights(0);
   for (let i = 0; ; i++) {
