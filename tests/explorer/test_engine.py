@@ -6,12 +6,11 @@ import pytest
 import susp_ss as ss
 from susp_ss.explorer.background import Field, background, carpet
 from susp_ss.explorer.compute import compute
-from susp_ss.explorer.described import excitations
+from susp_ss.explorer.design import vehicle_of
 from susp_ss.explorer.javascript import MODELS, engine, wavinesses
 from susp_ss.explorer.state import NOTHING
 from susp_ss.explorer.table import Number
 from susp_ss.roads.road import TRACKS
-from susp_ss.vehicles.truck import ThreeAxleTruck
 
 CARS = 48
 
@@ -50,6 +49,16 @@ def drawn(rng, model, seat=False, **road):
     return state | {"bode": rng.choice(known, 2, replace=False).tolist()}
 
 
+def steady(rng, model, **road):
+    """A state of a car that stays on course, without tyre damping."""
+    while True:
+        state = drawn(rng, model, **road)
+        state["vehicle"] |= {name: 0.0 for name in state["vehicle"] if name.startswith("ct")}
+        car = vehicle_of(state)
+        if not isinstance(car, ss.RideHandlingCar) or (car.izz > car.least_izz and not car.assemble().refusal()):
+            return state
+
+
 def agree(found, expected, rtol, atol=0.0):
     """The same at every leaf; lists of numbers within ``rtol`` of their largest."""
     if isinstance(expected, dict):
@@ -82,11 +91,11 @@ def agree(found, expected, rtol, atol=0.0):
 def test_metrics(ask, tracks, waviness, cutoff, rtol):
     rng = np.random.default_rng(0)
     for model in MODELS:
+        if model == "ride-handling" and tracks == "independent" and not cutoff:
+            continue
         for one in waviness:
             road = {"tracks": tracks, "waviness": one, "cutoff": cutoff}
-            states = [drawn(rng, model, **road) for _ in range(CARS // len(waviness))]
-            for state in states:
-                state["vehicle"] |= {name: 0.0 for name in state["vehicle"] if name.startswith("ct")}
+            states = [steady(rng, model, **road) for _ in range(CARS // len(waviness))]
             own = {name: np.array([s["vehicle"][name] for s in states]) for name in states[0]["vehicle"]}
             speed, roughness = (np.array([s["road"][name] for s in states]) for name in ("speed", "roughness"))
             metrics = ss.ride_metrics(
@@ -96,8 +105,10 @@ def test_metrics(ask, tracks, waviness, cutoff, rtol):
             np.testing.assert_allclose(ask("metrics", states), expected, rtol=rtol, atol=1e-10)
 
 
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("seat", [False, True])
+@pytest.mark.parametrize(
+    ("model", "seat"),
+    [(model, seat) for model in MODELS for seat in (False, True) if numbers(model, "seat") or not seat],
+)
 def test_whole_states(ask, model, seat):
     rng = np.random.default_rng(1)
     states = [drawn(rng, model, seat, cutoff=0.0, tracks=tracks) for tracks in ("identical", "isotropic")]
@@ -156,11 +167,6 @@ def test_front_and_bound_hold_for_any_springs_and_roughness_but_no_other_car_or_
         np.testing.assert_allclose(found[name]["points"], expected[name]["points"], rtol=1e-4)
     assert found["errors"] == []
     assert all("front" not in other and "susp-ss explore" in other["errors"][0]["message"] for other in others)
-
-
-def test_more_axles_are_not_known():
-    with pytest.raises(ValueError, match="one axle or two, got ThreeAxleTruck"):
-        excitations(ThreeAxleTruck())
 
 
 def test_what_is_refused_is_said(ask):

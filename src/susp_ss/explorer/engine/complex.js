@@ -126,8 +126,14 @@ function hessenberg(A) {
 
 // The eigenvalue of the last two rows and columns that is nearer to the last entry.
 function wilkinson(H, end) {
+  const larger = beyond(H, end), across = product(H[end - 1][end], H[end][end - 1]);
+  return power(larger) ? minus(H[end][end], quotient(across, larger)) : H[end][end];
+}
+
+// By how much the other one is beyond the last entry.
+function beyond(H, end) {
   const across = product(H[end - 1][end], H[end][end - 1]), half = scaled(minus(H[end - 1][end - 1], H[end][end]), 0.5);
   const square = root(plus(product(half, half), across));
-  const sums = [plus(half, square), minus(half, square)], larger = power(sums[0]) > power(sums[1]) ? sums[0] : sums[1];
-  return power(larger) ? minus(H[end][end], quotient(across, larger)) : H[end][end];
+  const sums = [plus(half, square), minus(half, square)];
+  return power(sums[0]) > power(sums[1]) ? sums[0] : sums[1];
 }
