@@ -37,6 +37,7 @@ def constants() -> dict[str, Any]:
             "start": dual.START,
             "most": dual.MOST,
             "awake": dual.AWAKE,
+            "lifts": dual.LIFTS,
             "met": dual.MET,
         },
         "KLEINMAN": preview.STEPS,
