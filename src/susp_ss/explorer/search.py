@@ -24,7 +24,6 @@ def constants() -> dict[str, Any]:
     """Constants of JavaScript."""
     return {
         "SEARCH": {
-            "starts": search.STARTS,
             "apart": search.APART,
             "met": search.MET,
             "same": halving.SAME,
