@@ -18,7 +18,6 @@ def ask(browser):
             "([name, states]) => states.map((one) => dash_clientside.engine[name](one))", [function, states]
         )
 
-    asked.page = page
     yield asked
     page.close()
     assert wrong == []

@@ -1,12 +1,18 @@
 """Fronts and bounds of the engine in JavaScript beside the package's own, and beside what they must be."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import susp_ss as ss
+from susp_ss import explorer
 from susp_ss.explorer.background import background
 from susp_ss.explorer.design import road_of, vehicle_of
+from susp_ss.explorer.javascript import engine
 from susp_ss.explorer.state import NOTHING
+
+ASSETS = Path(explorer.__file__).parent / "assets"
 
 
 def changed(model, road=None, carpet=None, seat=None, **vehicle):
@@ -74,12 +80,21 @@ def test_what_there_is_not_is_said_in_the_words_of_the_package(ask, state):
     assert found.keys() == expected.keys()
 
 
-def test_parts_are_told_as_they_are_found(ask):
-    told = """(state) => {
-        const parts = [];
-        return [dash_clientside.engine.background(state, (part) => parts.push(part)), parts];
-    }"""
-    found, parts = ask.page.evaluate(told, changed("quarter", ms=400.0))
-    assert [set(part) for part in parts] == [{"carpet", "errors", "more"}, {"carpet", "front", "errors", "more"}]
-    assert set(found) == {"carpet", "front", "bound", "errors"}
-    assert all(part[name] == found[name] for part in parts for name in part.keys() - {"more"})
+def test_a_thread_of_its_own_answers_part_by_part_and_only_what_was_asked_last(browser, ask):
+    page = browser.new_page()
+    page.add_script_tag(content=f"window.explorer = {{ beside: () => {{ {engine()} }} }};")
+    page.add_script_tag(path=ASSETS / "answers.js")
+    told = """([first, last]) => new Promise((done, failed) => {
+        const found = [];
+        explorer.answers.slow(first, (part) => found.push(part), failed);
+        explorer.answers.slow(last, (part) => (found.push(part), part.more || done(found)), failed);
+    })"""
+    first, last = changed("full"), changed("quarter", ms=400.0)
+    parts = page.evaluate(told, [first, last])
+    assert [set(part) - {"errors", "more"} for part in parts] == [
+        {"carpet"},
+        {"carpet", "front"},
+        {"carpet", "front", "bound"},
+    ]
+    assert parts[-1] == ask("background", [last])[0]
+    page.close()

@@ -19,14 +19,22 @@ def numbers(model, table):
 
 
 def drawn(rng, model, seat=False, **road):
-    """A state anywhere within its sliders; half of all cars have no tyre damping, which makes tyre loads infinite."""
+    """A state anywhere within its sliders; half of all cars have no tyre damping, which makes tyre loads infinite.
+
+    Half of all axles have tyres that do not lag behind.
+    """
     state = NOTHING.default(model)
     for table in ("vehicle", "road", "bump", *(["seat"] if seat else [])):
         own = {row.key: rng.uniform(row.least, row.most) for row in numbers(model, table)}
         state[table] = (state[table] or {}) | own
     if rng.random() < 0.5:
         state["vehicle"] |= {name: 0.0 for name in state["vehicle"] if name.startswith("ct")}
+    lags = [name for name in state["vehicle"] if name.startswith("relaxation")]
+    state["vehicle"] |= {name: 0.0 for name in lags if rng.random() < 0.5}
     state["road"] |= {"waviness": float(rng.choice(wavinesses()))} | road
+    if "middle" in state["vehicle"]:
+        a, middle, b = (state["vehicle"][name] for name in ("a", "middle", "b"))
+        state["vehicle"]["middle"] = float(np.clip(middle, -0.9 * a, 0.9 * b))
     (bode,) = (row for row in NOTHING.tables[model] if row.name == "bode")
     known = [name for name in bode.options if seat or name not in bode.seated]
     return state | {"bode": rng.choice(known, 2, replace=False).tolist()}
@@ -40,6 +48,11 @@ def steady(rng, model, **road):
         car = vehicle_of(state)
         if not isinstance(car, ss.RideHandlingCar) or (car.izz > car.least_izz and not car.assemble().refusal()):
             return state
+
+
+def kept(rtol, model, waviness):
+    """What the package keeps itself of a truck, whose axles hop almost alike and whose middle one is warped off."""
+    return rtol if model != "three-axle" else max(rtol, 1e-8) if waviness <= 2.5 else 1e-6
 
 
 def agree(found, expected, rtol, atol=0.0):
@@ -85,7 +98,8 @@ def test_metrics(ask, tracks, waviness, cutoff, rtol):
                 NOTHING.models[model].replaced(**own), ss.Road(roughness=roughness, speed=speed, **road)
             )
             expected = np.hstack([data.values.reshape(len(states), -1) for data in metrics.values()])
-            np.testing.assert_allclose(ask("metrics", states), expected, rtol=rtol, atol=1e-10)
+            close = kept(rtol, model, one)
+            np.testing.assert_allclose(ask("metrics", states), expected, rtol=close, atol=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -98,7 +112,7 @@ def test_whole_states(ask, model, seat):
     for state, found in zip(states, ask("compute", states), strict=True):
         expected = compute(state)
         shapes(found, expected)
-        agree(found, expected, 1e-9, 1e-11)
+        agree(found, expected, kept(1e-9, model, state["road"]["waviness"]), 1e-11)
 
 
 def shapes(found, expected):
@@ -130,6 +144,42 @@ def changed(model, **vehicle):
 def test_modes_that_are_nearly_one(ask, state, rtol):
     (found,) = ask("metrics", [state])
     np.testing.assert_allclose(found, [row["value"] for row in compute(state)["metrics"]], rtol=rtol)
+
+
+def test_a_car_that_does_not_stay_on_course_is_refused_in_the_same_words(ask):
+    loose = {"cornering_front": 80e3, "cornering_rear": 40e3}
+    some = [("over", 60.0, loose), ("later", 20.0, loose), ("soft", 20.0, {"ks_front": 5053.0, "ks_rear": 5053.0})]
+    some += [("flat", 20.0, {"izz": 500.0, "mu_front": 113.0})]
+    states = {name: changed("ride-handling", **vehicle) for name, _, vehicle in some}
+    for name, speed, _ in some:
+        states[name]["road"]["speed"] = speed
+    states["soft"]["vehicle"] |= {"height": 1.2, "c": 0.45}
+    found = dict(zip(states, ask("compute", list(states.values())), strict=True))
+    for name, state in states.items():
+        expected = compute(state)
+        assert found[name]["errors"] == expected["errors"]
+        assert found[name].keys() == expected.keys()
+    for name, word in (("over", "critical"), ("later", "critical"), ("soft", "does not die out"), ("flat", "izz")):
+        assert word in found[name]["errors"][0]["message"]
+    assert "metrics" in found["later"]
+    assert "modes" not in found["flat"]
+
+
+def test_axles_of_a_truck_that_change_places_are_refused_in_the_same_words(ask):
+    state = changed("three-axle", middle=2.0, b=1.8)
+    (found,) = ask("compute", [state])
+    assert found == compute(state)
+    assert "middle" in found["errors"][0]["message"]
+
+
+def test_tracks_that_part_tilt_a_car_without_bound(ask):
+    state = changed("ride-handling")
+    state["road"] |= {"tracks": "independent"}
+    (found,) = ask("compute", [state])
+    expected = compute(state)
+    said = expected["errors"][0]["message"]
+    assert found["errors"][0]["message"].split(";")[0] == said[: said.index(" (")].split(";")[0]
+    assert found.keys() == expected.keys()
 
 
 def test_what_is_refused_is_said(ask):

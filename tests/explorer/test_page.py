@@ -301,6 +301,16 @@ def test_by_keyboard_and_by_ear(tab):
     until(tab, "!location.search.includes('ks_rear')")
 
 
+def test_pictures_out_of_view_are_drawn_as_well_once_nothing_moves(tab):
+    tab.go()
+    for _ in range(2):
+        until(tab, "document.querySelector('#speeds .line.now')?.getAttribute('d')")
+        assert tab.evaluate("document.querySelector('#speeds').getBoundingClientRect().top > innerHeight")
+        before = tab.evaluate("document.querySelector('#speeds .line.now').getAttribute('d')")
+        press(tab, "ks_front", "PageUp")
+        until(tab, f"document.querySelector('#speeds .line.now').getAttribute('d') !== '{before}'")
+
+
 @pytest.mark.parametrize("model", ["full", "ride-handling"])
 def test_telephone(browser, address, model):
     with visit(browser, address, width=360, has_touch=True) as tab:
@@ -341,6 +351,20 @@ def test_pictures_are_downloaded(tab):
         height, width, _ = matplotlib.image.imread(waiting.value.path()).shape
         box = tab.locator(f"#panel-{name}").bounding_box()
         assert (width, height) == pytest.approx((2 * box["width"], 2 * box["height"]), abs=1.0)
+
+
+def test_what_is_not_answered_is_asked_again(browser, address):
+    tab = browser.new_page()
+    tab.goto(f"{address}?model=quarter")
+    tab.wait_for_selector(IDLE)
+    tab.route("**/answer", lambda route: route.fulfill(status=500))
+    slider(tab, "ks").press("ArrowRight")
+    tab.wait_for_selector("#errors:has-text('No answer; asked again.')")
+    tab.unroute("**/answer")
+    tab.wait_for_selector(IDLE)
+    assert tab.locator("#errors").inner_text() == ""
+    assert near(row(tab, "Body vertical")[0], ss.ride_metrics(ss.QuarterCar(ks=19053.0), ROAD).bacc)
+    tab.close()
 
 
 MOVES = """async ([count, together]) => {

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..quantities import briefly
-from .compute import Found, compute_all
+from .compute import DRAWN, PARTS, parts_of
+from .scene import Found, Scene, share
 from .state import NOTHING, Given
 
 COMPARED = {
@@ -48,8 +49,11 @@ def answer(question: Any, given: Given = NOTHING) -> Found:
     """
     if not isinstance(question, Mapping) or not isinstance(question.get("pins"), list) or "state" not in question:
         raise ValueError(f"question must be a mapping of a state and a list of pins, got {briefly(question)}")
-    found, *pins = compute_all([question["state"], *question["pins"]], given)
-    return {"found": found, "pins": [compared(pin) for pin in pins]}
+    scenes = [Scene(state, given) for state in (question["state"], *question["pins"])]
+    share(scenes)
+    own, *others = scenes
+    found = parts_of(own, PARTS)
+    return {"found": found, "pins": [compared(parts_of(other, DRAWN)) for other in others]}
 
 
 def compared(whole: Found) -> Found:

@@ -13,7 +13,7 @@ from ..metrics.comfort import AXES, in_words
 from ..responses.frequency import densities, on_heights
 from .motion import bump, modes
 from .rows import at_places, named, number, numbers
-from .scene import FELT, SPEEDS, Found, Scene, share
+from .scene import FELT, SPEEDS, Found, Scene
 from .spectra import GRID, bode, spectra
 from .state import NOTHING, Given
 from .surrogates import predictions
@@ -55,19 +55,13 @@ def compute(state: Any, given: Given = NOTHING) -> Found:
     >>> [round(one["value"], 3) for one in found["metrics"] if one["name"] == "bacc"]
     [0.678]
     """
-    return compute_all([state], given)[0]
+    return parts_of(Scene(state, given), PARTS)
 
 
-def compute_all(states: Sequence[Any], given: Given = NOTHING) -> list[Found]:
-    """The same of several states, which share what they can."""
-    scenes = [Scene(state, given) for state in states]
-    share(scenes)
-    return [_shown(scene) for scene in scenes]
-
-
-def _shown(scene: Scene) -> Found:
+def parts_of(scene: Scene, parts: Sequence[Callable[[Scene], Found]]) -> Found:
+    """The parts of `compute` that are asked for, and ``errors``."""
     found = Found()
-    for part in PARTS:
+    for part in parts:
         found |= scene.attempt(part) or {}
     return found | {"errors": scene.errors}
 
@@ -121,10 +115,8 @@ def over_frequency(scene: Scene) -> Found:
 
 def over_bump(scene: Scene) -> Found:
     """A drive over the bump, whose speed is its own: a car whose motions depend on that is another there."""
-    asked = scene.state["bump"]
-    car = scene.vehicle.moving(asked["speed"])
-    shared = not scene.vehicle.curved and (car is scene.vehicle or asked["speed"] == scene.road.speed)
-    return {"bump": bump(car, scene.model if shared else None, **asked)}
+    asked, model = scene.state["bump"], None if scene.vehicle.curved else scene.models[1]
+    return {"bump": bump(scene.vehicle.moving(asked["speed"]), model, **asked)}
 
 
 def surrogates(scene: Scene) -> Found:
@@ -139,12 +131,14 @@ def _of_surrogate(name: str, fitted: SuspensionSurrogate, scene: Scene) -> list[
     return predictions(name, fitted, scene.vehicle, scene.road)
 
 
-PARTS: tuple[Callable[[Scene], Found], ...] = (
+DRAWN: tuple[Callable[[Scene], Found], ...] = (
     over_speed,
     comfort,
     over_frequency,
     lambda scene: {"modes": modes(scene.straight, scene.model)},
     over_bump,
-    surrogates,
 )
-"""What is shown, each by itself: where one is refused, the others stand."""
+"""What is drawn of every design, each by itself: where one is refused, the others stand."""
+
+PARTS = (*DRAWN, surrogates)
+"""What is shown of the design that moves."""

@@ -24,9 +24,11 @@ from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, Road
 from ..vehicles.full import FullCar
+from ..vehicles.handling_model import UNMOVED
 from ..vehicles.modes import SPLIT
 from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.second_order import ROUNDING
+from ..vehicles.truck import OUTSIDE, ThreeAxleTruck
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion, search
 from .background import FACTORS
@@ -39,7 +41,7 @@ from .state import NOTHING
 from .symbols import Lines
 from .table import DESIGN, Choice, Number
 
-MODELS = ("full", "quarter", "pitch-half", "roll-half", "ride-handling")
+MODELS = ("full", "quarter", "pitch-half", "roll-half", "ride-handling", "three-axle")
 """Models that the engine knows."""
 
 SOURCES = (
@@ -154,6 +156,7 @@ def engine() -> str:
         "DAMPED": ROUNDING,
         "DRIFT": DRIFT,
         "SPLIT": SPLIT,
+        "UNMOVED": UNMOVED,
         "REFERENCE_WAVENUMBER": REFERENCE_WAVENUMBER,
         "SPEEDS": SPEEDS.tolist(),
         "FREQUENCIES": np.geomspace(*FREQUENCIES).tolist(),
@@ -170,6 +173,7 @@ def engine() -> str:
         "WORDS": {
             **search.words(),
             "drifting": refusal(FullCar(), Road(waviness=3.0, tracks="independent")),
+            "middle": f"{ThreeAxleTruck.__name__}{OUTSIDE}",
             **WORDS,
             "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },

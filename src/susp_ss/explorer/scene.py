@@ -75,10 +75,19 @@ class Scene:
         return self.ride.straight if self.vehicle.curved else self.vehicle
 
     @cached_property
+    def models(self) -> tuple[Model, Model]:
+        """The linear models of that on the road and over the bump, whose speeds are their own."""
+        speeds = np.array([self.road.speed, self.state["bump"]["speed"]])
+        moving = self.straight.moving(speeds)
+        if moving is self.straight:
+            return (self.straight.assemble(),) * 2
+        both = moving.flattened(moving.design_space()).assemble()
+        return both.select(slice(0, 1)), both.select(slice(1, 2))
+
+    @property
     def model(self) -> Model:
-        """The linear model of that."""
-        model: Model = self.straight.assemble()
-        return model
+        """The linear model on the road."""
+        return self.models[0]
 
     def attempt(self, part: Callable[[Self], Any]) -> Any:
         """What a part finds; None where the package refuses, which is noted."""
@@ -92,19 +101,18 @@ class Scene:
 
 
 def share(scenes: Sequence[Scene]) -> None:
-    """Solve the rides of all scenes of the first one's kind and road at once, which takes little longer than one."""
-    with suppress(ValueError, TypeError):
-        alike = [scene for scene in scenes if _alike(scene, scenes[0])]
-        if len(alike) > 1:
-            # What is refused of any is left to each alone.
-            for scene, ride in zip(alike, _linear(alike, SPEEDS), strict=True):
-                scene.ride = ride
-
-
-def _alike(scene: Scene, first: Scene) -> bool:
-    if not isinstance(scene.vehicle, Vehicle) or type(scene.vehicle) is not type(first.vehicle):
-        return False
-    return not scene.vehicle.curved and scene.state["road"] == first.state["road"]
+    """Solve the rides of all scenes of one kind on one road at once, which takes little longer than one."""
+    kinds: dict[Any, list[Scene]] = {}
+    for scene in scenes:
+        with suppress(ValueError, TypeError):
+            if isinstance(scene.vehicle, Vehicle) and not scene.vehicle.curved:
+                kinds.setdefault((type(scene.vehicle), *scene.state["road"].items()), []).append(scene)
+    for alike in kinds.values():
+        # What is refused of any is left to each alone.
+        with suppress(ValueError, TypeError):
+            if len(alike) > 1:
+                for scene, ride in zip(alike, _linear(alike, SPEEDS), strict=True):
+                    scene.ride = ride
 
 
 def _ridden(scene: Scene, speeds: Array) -> Ride:

@@ -197,13 +197,15 @@ class EachDesign:
     @cached_property
     def colours(self) -> Colours:
         """``|W(j omega)|^2`` of every design as as many first-order terms, some of them zero."""
-        each = [OPEN if one is None else one.colours for one in self.filters]
-        most = max(each, key=lambda one: one.alphas.shape[1]).alphas
+        different = {one: i for i, one in enumerate(dict.fromkeys(self.filters))}
+        which = [different[one] for one in self.filters]
+        colours = [OPEN if one is None else one.colours for one in different]
+        most = max((one.alphas for one in colours), key=np.size)
         nothing = np.zeros_like(most)
 
         def filled(name: str, beyond: NDArray[Any]) -> NDArray[Any]:
-            rows = [getattr(one, name) for one in each]
-            return np.concatenate([np.concatenate([row, beyond[:, row.shape[1] :]], axis=1) for row in rows])
+            rows = [getattr(one, name) for one in colours]
+            return np.concatenate([np.concatenate([row, beyond[:, row.shape[1] :]], axis=1) for row in rows])[which]
 
-        level = np.concatenate([one.level for one in each])
+        level = np.concatenate([one.level for one in colours])[which]
         return Colours(level, filled("alphas", most), filled("low", nothing), filled("high", nothing))

@@ -51,10 +51,9 @@ class Stepper:
         self.A, self.B, self.Y, self.D, self.D1, self.P, self.D_u = (x.reshape(x.shape[-2:]) for x in forms)
         self.travel, self.rate = (np.arange(len(table))[table.of(name)] for name in ("sws", "sws_rate"))
         self.seen = np.concatenate([self.travel, self.rate])
-        corners = np.arange(len(self.dampers))
-        # Rows of `seen` that curves of corners meet, those corners, and what they push.
+        # Corners with curves, of travels (0) or rates (1), and what they push.
         self.curves = [
-            (corners[at] + field * len(corners), corners[at], _beyond(curve, number))
+            (field, at, _beyond(curve, number))
             for field, (values, numbers) in enumerate(((self.springs, self.first_ks), (self.dampers, self.first_cs)))
             for at, curve, number in _grouped(values, numbers)
         ]
@@ -62,12 +61,13 @@ class Stepper:
     def beyond(self, motion: Array) -> Array:
         """What curves push more than the numbers in their place, (corners, ...), at travels and rates ``seen``."""
         corners = len(self.dampers)
-        if len(self.curves) == 1 and len(self.curves[0][1]) == corners:
-            ((rows, _, push),) = self.curves
-            return push(motion[rows[0] : rows[0] + corners])
-        u = np.zeros((corners, *motion.shape[1:]))
-        for rows, at, push in self.curves:
-            u[at] += push(motion[rows])
+        motions = motion[:corners], motion[corners:]
+        if len(self.curves) == 1 and isinstance(self.curves[0][1], slice):
+            ((field, _, push),) = self.curves
+            return push(motions[field])
+        u = np.zeros_like(motions[0])
+        for field, at, push in self.curves:
+            u[at] += push(motions[field][at])
         return u
 
     def rest(self, z: Array) -> Array:
@@ -83,41 +83,10 @@ class Stepper:
 
     def drive(self, z: Array, x: Array) -> History:
         """Drive over heights z (inputs, T, ...) from states x (2n, ...)."""
-        n, E = len(self.A), self.Y[self.seen]
-        whole, half = (held(self.A, np.concatenate([self.B, self.P], axis=1), h, 3) for h in (self.h, 0.5 * self.h))
-        wheels, many = len(self.B.T), len(E)
-        free, (hold, ramp, bend) = whole[0], (gain[:, wheels:] for gain in whole[1:])
-        half_free, half_hold = half[0], half[1][:, wheels:]
-
-        def along(gain: Array, heights: Array) -> Array:
-            return np.moveaxis(np.tensordot(gain, heights, axes=1), 1, 0)
-
-        rise = np.diff(z, axis=1)
-        middle = z[:, :-1] + 0.5 * rise
-        first = along(half[1][:, :wheels], z[:, :-1]) + along(half[2][:, :wheels], 0.5 * rise)
-        second = along(half[1][:, :wheels], middle) + along(half[2][:, :wheels], 0.5 * rise)
-        D, moved = self.D[self.seen], along(self.D1[self.seen], rise / self.h)
-        # Of the state at the start of a step and of the heights: what curves meet at the start, in the middle and at
-        # the end as long as they do not push, and the state at the end.
-        linear = np.concatenate([E, E @ half_free, E @ half_free @ half_free, free])
-        first_seen = along(E, np.moveaxis(first, 0, 1))
-        second_seen = along(E, np.moveaxis(second, 0, 1)) + along(E @ half_free, np.moveaxis(first, 0, 1))
-        by_heights = np.concatenate(
-            [
-                along(D, z[:, :-1]) + moved,
-                along(D, middle) + moved + first_seen,
-                along(D, z[:, 1:]) + moved + second_seen,
-                along(whole[1][:, :wheels], z[:, :-1]) + along(whole[2][:, :wheels], rise),
-            ],
-            axis=1,
-        )
-        # Of pushes: on the middle, and on the end by the first guess; on the state at the end.
-        on_middle, by_first = E @ half_hold, E @ (half_free @ half_hold - half_hold)
-        on_end = np.concatenate([hold - 3.0 * ramp + 2.0 * bend, 2.0 * ramp - 2.0 * bend, 2.0 * bend - ramp], axis=1)
-
-        states = np.empty((z.shape[1], n, *z.shape[2:]))
+        linear, by_heights, on_middle, by_first, on_end = self._ahead(z)
+        many, states = len(self.seen), np.empty((z.shape[1], *x.shape))
         states[0] = x
-        for k in range(len(rise[0])):
+        for k in range(len(by_heights)):
             # `dot`, which costs a third of what `@` does for so small arrays.
             ahead = linear.dot(x) + by_heights[k]
             in_middle, at_end = ahead[many : 2 * many], ahead[2 * many : 3 * many]
@@ -136,6 +105,32 @@ class Stepper:
             c.force(v) if isinstance(c, Curve) else c * v for c, v in zip(self.dampers, y[self.rate], strict=True)
         ]
         return History(y, np.stack(damping))
+
+    def _ahead(self, z: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """What the state at the start of a step makes ahead of it, what heights z add (T - 1, ...), and pushes.
+
+        First and second what curves meet at the start, in the middle and at the end as long as they do not push, and
+        the state at the end. Then of pushes: on the middle, on the end by the first guess, and on the state at the end
+        by those at the start, in the middle and at the end.
+        """
+        whole, half = (held(self.A, np.concatenate([self.B, self.P], axis=1), h, 3) for h in (self.h, 0.5 * self.h))
+        wheels, E, D = len(self.B.T), self.Y[self.seen], self.D[self.seen]
+        free, (hold, ramp, bend) = whole[0], (gain[:, wheels:] for gain in whole[1:])
+        half_free, half_hold = half[0], half[1][:, wheels:]
+        linear = np.concatenate([E, E @ half_free, E @ half_free @ half_free, free])
+
+        # Heights over a step are their start and a rise, half of it over either half.
+        level, rising = half[1][:, :wheels], 0.5 * half[2][:, :wheels]
+        nothing, rate = np.zeros_like(D), self.D1[self.seen] / self.h
+        of_level = [nothing, E @ level, E @ (level + half_free @ level)]
+        of_rise = [nothing, 0.5 * D + E @ rising, D + E @ (0.5 * level + rising + half_free @ rising)]
+        by_level = np.concatenate([*(D + x for x in of_level), whole[1][:, :wheels]])
+        by_rise = np.concatenate([*(rate + x for x in of_rise), whole[2][:, :wheels]])
+        steps = np.concatenate([z[:, :-1], np.diff(z, axis=1)])
+        by_heights = np.moveaxis(np.tensordot(np.concatenate([by_level, by_rise], axis=1), steps, axes=1), 1, 0)
+        on_middle, by_first = E @ half_hold, E @ (half_free @ half_hold - half_hold)
+        on_end = np.concatenate([hold - 3.0 * ramp + 2.0 * bend, 2.0 * ramp - 2.0 * bend, 2.0 * bend - ramp], axis=1)
+        return linear, by_heights, on_middle, by_first, on_end
 
 
 def _beyond(curve: Curve, number: Any) -> Callable[[Array], Array]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,9 +49,10 @@ class LinearModel:
 
     second_order: ClassVar[bool] = False
 
-    def select(self, designs: slice | NDArray[np.int_]) -> LinearModel:
+    def select(self, designs: slice | NDArray[np.int_]) -> Self:
         """Some of the designs."""
-        some = {name: x[designs] for name, x in vars(self).items() if name not in ("layout", "damping")}
+        arrays = {name: x for name, x in vars(self).items() if isinstance(x, np.ndarray) and name != "damping"}
+        some: dict[str, Any] = {name: x[designs] for name, x in arrays.items()}
         return replace(self, **some)
 
     def velocity_form(self) -> tuple[Array, Array, Array, Array]:

@@ -5,32 +5,34 @@ window.explorer = window.explorer || {};
 explorer.answers = (() => {
   const PATIENCE = 10000; // ms until a live question counts as unanswered.
 
-  const served = (name, patience) => async (question) => {
-    const answer = await fetch(name, {
+  const served = (name, patience) => (question, told, failed) => {
+    const asked = {
       method: "POST",
       headers: { "Content-Type": "application/json" },
       body: JSON.stringify(question),
       signal: patience && AbortSignal.timeout(patience),
-    });
-    if (!answer.ok) throw new Error(answer.statusText);
-    return answer.json();
+    };
+    const read = (answer) => (answer.ok ? answer.json() : Promise.reject(answer.statusText));
+    fetch(name, asked).then(read).then(told, failed);
   };
 
-  // A worker of its own for each kind of question, of which there is one at a time; what says that there is more to come
-  // is a part of the answer.
+  // A thread for each kind of question; one that comes while there is more to come makes the rest needless.
   function beside(name) {
     const answer = `postMessage(dash_clientside.engine.${name}(data, postMessage))`;
-    const script = `(${explorer.beside})(); onmessage = ({ data }) => ${answer};`;
-    const worker = new Worker(URL.createObjectURL(new Blob([script], { type: "text/javascript" })));
-    return (question, partly) =>
-      new Promise((answered, failed) => {
-        worker.onmessage = ({ data: { more, ...found } }) => (more ? partly : answered)(found);
-        worker.onerror = ({ message }) => failed(new Error(message));
-        worker.postMessage(question);
-      });
+    const script = new Blob([`(${explorer.beside})(); onmessage = ({ data }) => ${answer};`], { type: "text/javascript" });
+    const address = URL.createObjectURL(script);
+    let [thread, busy] = [null, false];
+    return (question, told, failed) => {
+      if (busy) thread = thread.terminate();
+      thread ??= new Worker(address);
+      busy = true;
+      thread.onmessage = ({ data }) => ((busy = Boolean(data.more)), told(data));
+      thread.onerror = ({ message }) => ((busy = false), failed(message));
+      thread.postMessage(question);
+    };
   }
 
-  // {state, pins} is answered by {found, pins}; conditions, a state, by the background of the carpet.
+  // ``live``: {state, pins} is answered by {found, pins}; ``slow``: a state by the background of its carpet.
   return explorer.beside
     ? { live: beside("answer"), slow: beside("background") }
     : { live: served("answer", PATIENCE), slow: served("background") };

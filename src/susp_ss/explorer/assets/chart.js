@@ -64,27 +64,29 @@ explorer.Chart = class {
     this.scales = { x, y };
     this.frame(x, y);
     this.picture.setAttribute("aria-label", shown.words || shown.y.label);
-    const kept = new Set();
-    for (const line of shown.lines) {
-      const area = line.area ? `L${x.at(line.x.at(-1))},${y.pixels[0]}L${x.at(line.x[0])},${y.pixels[0]}Z` : "";
-      this.mark(kept, line, explorer.Chart.path(line, x, y) + area);
-    }
-    for (const point of shown.points || []) {
-      const [px, py, r] = [x.at(point.x[0]), y.at(point.y[0]), 4.5];
-      this.mark(kept, point, `M${px - r},${py}a${r},${r} 0 1 0 ${2 * r},0a${r},${r} 0 1 0 ${-2 * r},0Z`);
-    }
-    for (const [key, element] of this.drawn) {
-      if (!kept.has(key)) (element.remove(), this.drawn.delete(key));
+    for (const line of shown.lines) this.mark(line, explorer.Chart.path);
+    for (const point of shown.points || []) this.mark(point, explorer.Chart.dot);
+    const keys = new Set(marks.map(({ key }) => key));
+    for (const [key, { element }] of this.drawn) {
+      if (!keys.has(key)) (element.remove(), this.drawn.delete(key));
     }
     if (shown.at !== undefined) this.point(shown.at);
   }
 
-  mark(kept, { key, style }, path) {
-    let element = this.drawn.get(key);
-    if (!element) this.drawn.set(key, (element = this.marks.appendChild(explorer.svg("path"))));
+  // A pinned design, whose values stay, is drawn again only where the ranges change.
+  mark(mark, path) {
+    const { key, style } = mark;
+    if (!this.drawn.has(key)) this.drawn.set(key, { element: this.marks.appendChild(explorer.svg("path")) });
+    const { element, x, y, ranges } = this.drawn.get(key);
     if (element.getAttribute("class") !== style) element.setAttribute("class", style);
-    element.setAttribute("d", path);
-    kept.add(key);
+    if (x === mark.x && y === mark.y && ranges === this.ranges) return;
+    this.drawn.set(key, { element, x: mark.x, y: mark.y, ranges: this.ranges });
+    element.setAttribute("d", path(mark, this.scales.x, this.scales.y));
+  }
+
+  static dot(point, x, y) {
+    const [px, py, r] = [x.at(point.x[0]), y.at(point.y[0]), 4.5];
+    return `M${px - r},${py}a${r},${r} 0 1 0 ${2 * r},0a${r},${r} 0 1 0 ${-2 * r},0Z`;
   }
 
   static path(line, x, y) {
@@ -97,12 +99,13 @@ explorer.Chart = class {
         pen = "L";
       }
     }
+    if (line.area) path += `L${x.at(line.x.at(-1))},${y.pixels[0]}L${x.at(line.x[0])},${y.pixels[0]}Z`;
     return path;
   }
 
   // Grid and labels change only where the ranges do.
   frame(x, y) {
-    const ranges = [x.label, y.label, ...x.ends, ...y.ends].join();
+    const ranges = [x, y].flatMap(({ label, ends, pixels }) => [label, ...ends, ...pixels]).join();
     if (ranges === this.ranges) return;
     this.ranges = ranges;
     this.title.textContent = y.label;

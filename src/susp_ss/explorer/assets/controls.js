@@ -12,6 +12,12 @@ explorer.html = (name, attributes = {}, ...children) => {
   return element;
 };
 
+// Text of an element that holds nothing else; what stays costs no layout.
+explorer.say = (element, text) => {
+  const node = element.firstChild ?? element.appendChild(document.createTextNode(""));
+  if (node.data !== text) node.data = text;
+};
+
 explorer.controls = (() => {
   const { html } = explorer;
   const OPEN = ["springs", "dampers", "anti-roll bars", "road"];

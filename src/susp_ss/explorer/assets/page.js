@@ -17,9 +17,9 @@ explorer.page = (() => {
   let now = { key: null, state: null, results: null };
   let background = { key: null, found: null }; // Of the carpet, which takes seconds.
   let slowFlight = null; // The conditions of the background on its way.
-  let quiet = null;
+  let quiet = null; // The timer that runs while something moves.
   const answers = new Map(); // {key, results} of pinned designs.
-  const waiting = new Set(); // Panels out of view whose picture is old.
+  const waiting = new Set(); // Panels out of view whose picture is old, until nothing moves.
   const seen = new Set();
 
   const element = (name) => document.getElementById(name);
@@ -42,7 +42,7 @@ explorer.page = (() => {
   }
 
   // One question at a time, and always the newest: of the design that moves, and of those to compare with that are old.
-  async function ask() {
+  function ask() {
     if (flying) return;
     const { state } = here;
     const key = keyOf(state);
@@ -51,13 +51,16 @@ explorer.page = (() => {
     element("panels").setAttribute("aria-busy", busy);
     if (!busy) return;
     flying = true;
-    try {
-      const { found, pins } = await explorer.answers.live({ state, pins: old.map((one) => one.state) });
-      answered({ key, state, results: found }, old, pins);
-    } catch {
-      refuse("answer", "No answer; asked again.");
-      setTimeout(() => ((flying = false), ask()), AGAIN);
-    }
+    explorer.answers.live(
+      { state, pins: old.map((one) => one.state) },
+      ({ found, pins }) => answered({ key, state, results: found }, old, pins),
+      unanswered,
+    );
+  }
+
+  function unanswered() {
+    refuse("answer", "No answer; asked again.");
+    setTimeout(() => ((flying = false), ask()), AGAIN);
   }
 
   function answered(next, old, pins) {
@@ -68,6 +71,7 @@ explorer.page = (() => {
     complain(next.results.errors);
     ask(); // While this is drawn, the next is on its way.
     draw();
+    if (!quiet) say();
   }
 
   function designs() {
@@ -87,7 +91,7 @@ explorer.page = (() => {
       element(`panel-${name}`).hidden = found?.length === 0; // There is no such thing.
       waiting.delete(name);
       if (!found || found.length === 0) continue;
-      if (seen.has(name)) (explorer.tables[name] ?? explorer.panels[name])(all, now.state, background.found);
+      if (seen.has(name) || !quiet) (explorer.tables[name] ?? explorer.panels[name])(all, now.state, background.found);
       else waiting.add(name);
     }
     document.dispatchEvent(new Event("drawn"));
@@ -180,9 +184,15 @@ explorer.page = (() => {
     element("errors").replaceChildren(...lines.map((line) => html("li", {}, line)));
   }
 
-  // Once nothing moves: what takes seconds, and the numbers for those who listen.
+  // Once nothing moves: what takes seconds, pictures out of view, and the numbers for those who listen.
   function settle() {
+    quiet = null;
     askSlowly();
+    if (waiting.size) draw([...waiting]);
+    say();
+  }
+
+  function say() {
     if (!now.results?.metrics) return;
     const [first, before] = designs().map(({ results }) => results?.metrics?.[0]);
     const { one, unit } = explorer.words.metric(first.name, first.unit);
@@ -277,22 +287,21 @@ explorer.page = (() => {
     return keyOf(conditions);
   }
 
-  // One at a time here as well, a part of its answer perhaps before the rest, and again where its conditions have moved
-  // on meanwhile.
-  async function askSlowly() {
+  // One at a time here as well, and again where its conditions have moved on meanwhile.
+  function askSlowly() {
     const key = frame();
     if (slowFlight !== null || key === background.key) return;
     slowFlight = key;
+    explorer.answers.slow(here.state, answeredSlowly, () => answeredSlowly({ errors: [{ message: "no answer" }] }));
     settled({ key: null, found: null }, true);
-    const partly = (found) => frame() === key && settled({ key: null, found }, true);
-    try {
-      settled({ key, found: await explorer.answers.slow(here.state, partly) });
-    } catch {
-      settled({ key: null, found: { errors: [{ message: "no answer" }] } });
-    } finally {
-      slowFlight = null;
-    }
-    if (background.key) askSlowly();
+  }
+
+  // While there is more to come, other conditions need not wait for it.
+  function answeredSlowly({ more, ...found }) {
+    const key = slowFlight;
+    if (!more || key !== frame()) slowFlight = null;
+    settled({ key: more ? null : key, found }, more);
+    askSlowly();
   }
 
   function settled(next, more = false) {

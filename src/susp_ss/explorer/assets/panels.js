@@ -182,23 +182,20 @@ explorer.panels = (() => {
       host.dataset.shown = key;
       host.cars = results.modes.map(() => {
         const car = new explorer.Car(places);
-        const words = html("figcaption");
-        host.append(html("figure", {}, svg("svg", { viewBox: car.box().join(" "), role: "img" }, car.group), words));
-        return { car, words, picture: car.group.parentNode };
+        const picture = svg("svg", { viewBox: car.box().join(" "), role: "img" }, car.group);
+        const words = [html("b"), html("span"), html("span", { class: "quiet" }), html("span")];
+        return { car, picture, words };
       });
-      host.replaceChildren(...host.cars.map(({ picture }) => picture.parentNode));
+      const figure = ({ picture, words }) => html("figure", {}, picture, html("figcaption", {}, ...words));
+      host.replaceChildren(...host.cars.map(figure));
     }
     const others = byName(reference.results?.modes ?? []);
     [...byName(results.modes)].forEach(([name, mode], i) => {
       const { words, picture } = host.cars[i];
       const before = others.get(name);
       const moved = before ? change(mode.frequency, before.frequency) : "";
-      words.replaceChildren(
-        html("b", {}, mode.name ?? ""),
-        html("span", {}, `${brief(mode.frequency)} Hz`),
-        html("span", { class: "quiet" }, moved),
-        html("span", {}, `ζ ${mode.damping.toFixed(2)}`),
-      );
+      const said = [mode.name ?? "", `${brief(mode.frequency)} Hz`, moved, `ζ ${mode.damping.toFixed(2)}`];
+      words.forEach((element, j) => explorer.say(element, said[j]));
       picture.setAttribute(
         "aria-label",
         `Mode ${i + 1}, ${mode.name ?? ""} ${brief(mode.frequency)} Hz, damping ratio ${mode.damping.toFixed(2)}`,
@@ -261,8 +258,9 @@ explorer.panels = (() => {
     const stage = host.querySelector(".stage") ?? host.appendChild(html("div", { class: "stage" }));
     host.car = Object.keys(places).length ? new explorer.Car(places) : null;
     if (!host.car) return stage.replaceChildren();
-    const [left, , width] = host.car.box();
-    const box = [left - 0.6, -2.15, width + 1.2, 2.5];
+    const [left, top, width] = host.car.box();
+    const above = Math.min(-2.15, top);
+    const box = [left - 0.6, above, width + 1.2, 0.35 - above];
     const words = { role: "img", class: "ride", "aria-label": "The car over the bump" };
     host.road = svg("path", { class: "road" });
     host.ground = ground(bump, box, host.car);

@@ -149,7 +149,7 @@ explorer.state = (() => {
 
 // Each step back is one of the browser's own: Back and Forward, Undo and Redo are the same.
 explorer.steps = (() => {
-  const QUIET = 150; // ms between two writes of the URL: browsers refuse more than some 200 in 10 s.
+  const QUIET = 150; // ms without a move until the URL is written: browsers refuse more than some 200 in 10 s.
   const TOGETHER = 800; // ms within which further moves of one slider are the same step.
 
   let at = history.state?.step ?? 0;
@@ -177,7 +177,8 @@ explorer.steps = (() => {
     moving = { name, until: now + TOGETHER };
     if (onwards) {
       newest = query;
-      waiting ??= setTimeout(settle, QUIET);
+      clearTimeout(waiting);
+      waiting = setTimeout(settle, QUIET);
       return;
     }
     settle();

@@ -52,7 +52,7 @@ explorer.tables = (() => {
       [...values, ...(note === undefined ? [] : [note])].forEach((value, j) => {
         const cell = cells.get(name)[i][j];
         const text = value?.text ?? value;
-        if (cell.textContent !== text) cell.textContent = text;
+        explorer.say(cell, text);
         if (value?.turn !== undefined && cell.dataset.turn !== value.turn) cell.dataset.turn = value.turn;
       }),
     );

@@ -71,14 +71,18 @@ function reflect(H, Z, v, first, last, from, to) {
     total *= by;
     for (let i = first; i < last; i++) H[i][j] -= total * v[i];
   }
-  for (const [M, rows] of [[H, to], [Z, n]]) {
-    for (let i = 0; i < rows; i++) {
-      const row = M[i];
-      let total = 0;
-      for (let j = first; j < last; j++) total += v[j] * row[j];
-      total *= by;
-      for (let j = first; j < last; j++) row[j] -= total * v[j];
-    }
+  turned(H, to, v, first, last, by);
+  turned(Z, n, v, first, last, by);
+}
+
+function turned(M, rows, v, first, last, by) {
+  for (let i = 0; i < rows; i++) {
+    const row = M[i];
+    let total = 0;
+    for (let j = first; j < last; j++) total += v[j] * row[j];
+    if (total === 0) continue;
+    total *= by;
+    for (let j = first; j < last; j++) row[j] -= total * v[j];
   }
 }
 
@@ -168,7 +172,10 @@ function eigen(A) {
     }
     Q.forEach((row, i) => {
       for (let j = 0; j <= k; j++) increase(V[i], row[j], y[j]);
-      for (let j = k; j < n; j++) increase(W[i], w[j], conjugate(row[j]));
+      for (let j = k; j < n; j++) {
+        W[i].re += w[j].re * row[j].re + w[j].im * row[j].im;
+        W[i].im += w[j].im * row[j].re - w[j].re * row[j].im;
+      }
       V[i] = scaled(V[i], scales[i]);
       W[i] = scaled(W[i], 1 / scales[i]);
     });

@@ -70,7 +70,8 @@ class Ride {
 
   // Why there is nothing to be said of it at all, or nothing on any road.
   impossible() {
-    return "";
+    const { middle, a, b } = this.parameters;
+    return middle === undefined || (-a < middle && middle < b) ? "" : filled(WORDS.middle, { middle: general(middle, 6) });
   }
 
   unstable() {
@@ -150,9 +151,10 @@ class Ride {
       on.forEach((one, k) => {
         total += one * (2 * dynamics.real(seen, cross[k]) + dot(own[k], on));
       });
-      for (let k = 0, at = 0; k < rates.length; k++) {
+      for (let k = 0; k < rates.length; k++) {
+        if (seen[k].re === 0 && seen[k].im === 0) continue;
         let x = 0, y = 0;
-        for (let l = 0; l < n; l++, at++) {
+        for (let l = 0, at = k * n; l < n; l++, at++) {
           x += re[at] * other[l].re - im[at] * other[l].im;
           y += re[at] * other[l].im + im[at] * other[l].re;
         }
@@ -170,6 +172,10 @@ class Ride {
     );
   }
 }
+
+// Words with numbers in place of their names, and a number in so many digits.
+const filled = (words, numbers) => words.replace(/\{(\w+)\}/g, (_, name) => numbers[name]);
+const general = (x, digits) => String(Number(x.toPrecision(digits)));
 
 // A real row times a complex vector.
 function applied(row, x) {
