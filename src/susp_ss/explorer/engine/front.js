@@ -20,7 +20,7 @@ class Search {
     this.sizes = [0, 1].map((i) => middle(this.seen.map((one) => one.values[i])));
   }
 
-  // The design whose metric `goal` is least while the other keeps a limit: from some near it, and the best of the sample.
+  // The design whose metric `goal` is least while the other keeps a limit: from some near, and the best of the sample.
   least(goal, limit = Infinity, near = []) {
     const over = ({ values }) => Math.max(values[1 - goal] / limit - 1, 0);
     const order = [...this.seen].sort((a, b) => over(a) - over(b) || a.values[goal] - b.values[goal]);
