@@ -24,7 +24,6 @@ def constants() -> dict[str, Any]:
     """Constants of JavaScript."""
     return {
         "SEARCH": {
-            "starts": search.STARTS,
             "apart": search.APART,
             "met": search.MET,
             "same": halving.SAME,
@@ -37,6 +36,7 @@ def constants() -> dict[str, Any]:
             "start": dual.START,
             "most": dual.MOST,
             "awake": dual.AWAKE,
+            "lifts": dual.LIFTS,
             "met": dual.MET,
         },
         "KLEINMAN": preview.STEPS,

@@ -99,7 +99,7 @@ class Dual {
 
   // Maximise the dual, which is concave, over the multipliers.
   solve(limits, light, start) {
-    const first = limits.map((_, i) => start?.multipliers[i] ?? DUAL.start);
+    let first = limits.map((_, i) => start?.multipliers[i] ?? DUAL.start), found = null;
     let K = start ? start.law.K : this.idle;
     const at = (x) => {
       const one = this.at(limits, x, light, K);
@@ -107,9 +107,15 @@ class Dual {
       return { ...one, x, value: sum(x) - dot(one.law.weights, one.variances), over: -1 };
     };
     const slopes = ({ excess }) => ({ value: excess.map((one) => -one), over: excess.map(() => 0) });
-    const curvatures = first.map((one) => 1 / Math.max(one, DUAL.awake));
     const ends = [0, DUAL.most].map((one) => limits.map(() => one));
-    return descended(at, slopes, first, ...ends, curvatures, SHARP);
+    // Where it is stuck, what it has learnt of the curvature is forgotten.
+    for (let round = 0; round < DUAL.lifts; round++) {
+      const curvatures = first.map((one) => 1 / Math.max(one, DUAL.awake));
+      found = descended(at, slopes, first, ...ends, curvatures, SHARP);
+      if (!found.excess.some((one) => one > DUAL.met)) break;
+      first = found.multipliers;
+    }
+    return found;
   }
 
   // The least variance under limits and the solution from which one nearby may start; none where no law meets them.

@@ -1,7 +1,7 @@
 // Designs that no other beats in one metric without losing in another: susp_ss.design, of two metrics.
 
-// Designs of the sample, and a step of differences as a share of the box.
-const SAMPLE = 512, SIDE = 1e-6;
+// Designs of the sample, starts from it where there is no neighbour, and a step of differences as a share of the box.
+const SAMPLE = 1024, STARTS = 6, SIDE = 1e-6;
 
 // Designs that fill the unit cube evenly: multiples of the root of x^(k + 1) = x + 1 (Roberts 2018).
 function spread(k, count) {
@@ -20,11 +20,11 @@ class Search {
     this.sizes = [0, 1].map((i) => middle(this.seen.map((one) => one.values[i])));
   }
 
-  // The design whose metric `goal` is least while the other keeps a limit: from some near it, and the best of the sample.
+  // The design whose metric `goal` is least while the other keeps a limit: from some near, and the best of the sample.
   least(goal, limit = Infinity, near = []) {
     const over = ({ values }) => Math.max(values[1 - goal] / limit - 1, 0);
     const order = [...this.seen].sort((a, b) => over(a) - over(b) || a.values[goal] - b.values[goal]);
-    const chosen = [], most = near.length ? 1 : SEARCH.starts;
+    const chosen = [], most = near.length ? 1 : STARTS;
     for (const { u } of order) {
       if (chosen.length === most) break;
       if (chosen.every((other) => u.some((one, j) => Math.abs(one - other[j]) > SEARCH.apart))) chosen.push(u);
