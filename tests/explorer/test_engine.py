@@ -7,7 +7,7 @@ import susp_ss as ss
 from susp_ss.explorer.background import Field, background, carpet
 from susp_ss.explorer.compute import compute
 from susp_ss.explorer.described import excitations
-from susp_ss.explorer.javascript import MODELS, engine, wavinesses
+from susp_ss.explorer.javascript import MODELS, wavinesses
 from susp_ss.explorer.state import NOTHING
 from susp_ss.explorer.table import Number
 from susp_ss.roads.road import TRACKS
@@ -17,12 +17,12 @@ CARS = 48
 
 
 @pytest.fixture(scope="module")
-def ask(browser):
+def ask(browser, script):
     """Call a function of the engine for each of some states."""
     page = browser.new_page()
     wrong = []
     page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.add_script_tag(content=engine(["quarter"]))
+    page.add_script_tag(content=script)
 
     def asked(function, states):
         return page.evaluate("([name, states]) => states.map(dash_clientside.engine[name])", [function, states])

@@ -27,7 +27,7 @@ from ..roads.road import REFERENCE_WAVENUMBER, Road
 from ..vehicles.full import FullCar
 from ..vehicles.second_order import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
-from . import motion
+from . import motion, templates
 from .background import FACTORS, background, conditions
 from .compute import SPEEDS
 from .described import described, placed
@@ -40,7 +40,10 @@ from .table import DESIGN, Choice, Number
 MODELS = ("full", "quarter", "pitch-half", "roll-half")
 """Models that the engine knows: rigid bodies on wheels, for which speed is the road's alone."""
 
-SOURCES = ("algebra.js", "complex.js", "covariance.js", "ride.js", "motion.js", "answers.js")
+SOURCES = (
+    *("algebra.js", "complex.js", "covariance.js", "ride.js", "motion.js", "curves.js", "answers.js"),
+    *("zip.js", "fmu.js", "files.js"),
+)
 
 # What JavaScript asks of an assembled car.
 MATRICES = (
@@ -107,7 +110,7 @@ def model(name: str) -> str:
     }
 
     def entry(key: str, car: Vehicle, outputs: tuple[str, ...]) -> str:
-        data = json.dumps(described(car, outputs) | {"settings": known})
+        data = json.dumps(described(car, outputs) | {"settings": known, "files": templates.of_vehicle(car)})
         return f"{json.dumps(key)}: {{ ...{data},\nassemble: {assembled(car)} }}"
 
     return ",\n".join([entry(name, bare, alone), entry(f"{name}, seated", occupied, asked.options)])
@@ -165,7 +168,8 @@ def engine(named: Iterable[str] = MODELS) -> str:
     """The engine as a script.
 
     It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does,
-    ``background`` the carpet as `susp_ss.explorer.background.background` does; ``metrics`` are the numbers alone.
+    ``background`` the carpet as `susp_ss.explorer.background.background` does; ``metrics`` are the numbers alone, and
+    ``file`` is what `susp_ss.explorer.downloads` writes.
 
     Parameters
     ----------
@@ -190,6 +194,8 @@ def engine(named: Iterable[str] = MODELS) -> str:
         "BEST": {name: best(name) for name in named},
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
         | {"spacing": step},
+        "CURVE": templates.curve(),
+        "FILES": templates.files(),
         "WORDS": {
             "background": "front and best law: of the car and road as they begin; susp-ss explore has them of any",
             "drifting": drifting(),
@@ -201,5 +207,5 @@ def engine(named: Iterable[str] = MODELS) -> str:
     sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
     return (
         f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
-        "(globalThis.dash_clientside ??= {}).engine = { compute, background, metrics };\n})();\n"
+        "(globalThis.dash_clientside ??= {}).engine = { compute, background, metrics, file };\n})();\n"
     )

@@ -61,7 +61,7 @@ const deviation = (variance) => Math.sqrt(Math.max(variance, 0));
 // A car of numbers, ready for any road: a kind of `MODELS`, with parameters at every wheel.
 class Car {
   constructor(model, parameters) {
-    Object.assign(this, MODELS[model], MODELS[model].assemble(parameters));
+    Object.assign(this, MODELS[model], MODELS[model].assemble(parameters), { parameters });
     const root = Float64Array.from(this.m, Math.sqrt);
     const normalised = (A) => A.map((row, i) => Float64Array.from(row, (one, j) => one / (root[i] * root[j])));
     this.dynamics = Dynamics.of(normalised(this.K), normalised(this.C));
@@ -88,6 +88,11 @@ class Car {
       add(standing, times(this.N, warp), 1);
       this.on_warp = times(this.elongation, standing).map((one) => one / dot(warp, warp));
     }
+  }
+
+  // The car of numbers on a road, which this is on any.
+  at() {
+    return this;
   }
 
   // How a process moves the modes by each of its axles.
