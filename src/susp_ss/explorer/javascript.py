@@ -20,10 +20,13 @@ from ..metrics.comfort import AXES, REACTIONS
 from ..metrics.ride import ride_metrics
 from ..metrics.weightings import filter_of
 from ..quantities import signal
+from ..responses.covariance import linearisation
 from ..responses.positions import form_with_positions
+from ..responses.simulation import RESOLVED, SWINGING
 from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, Road
+from ..vehicles.curves import DamperCurve
 from ..vehicles.full import FullCar
 from ..vehicles.second_order import SPLIT
 from ..vehicles.vehicle import Vehicle, joined
@@ -41,8 +44,8 @@ MODELS = ("full", "quarter", "pitch-half", "roll-half")
 """Models that the engine knows: rigid bodies on wheels, for which speed is the road's alone."""
 
 SOURCES = (
-    *("algebra.js", "complex.js", "covariance.js", "ride.js", "motion.js", "curves.js", "answers.js"),
-    *("zip.js", "fmu.js", "files.js"),
+    *("algebra.js", "complex.js", "covariance.js", "ride.js", "motion.js", "fmu.js", "curves.js", "answers.js"),
+    *("zip.js", "files.js"),
 )
 
 # What JavaScript asks of an assembled car.
@@ -140,6 +143,7 @@ def best(name: str) -> dict[str, Any]:
             "seat": state["seat"],
             "road": {key: value for key, value in state["road"].items() if key != "roughness"},
             "carpet": state["carpet"],
+            "curve": state["curve"],
         },
         "roughness": state["road"]["roughness"],
         "front": found["front"]["points"],
@@ -194,11 +198,14 @@ def engine(named: Iterable[str] = MODELS) -> str:
         "BEST": {name: best(name) for name in named},
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
         | {"spacing": step},
-        "CURVE": templates.curve(),
+        "CURVE": templates.curve()
+        | {name.lower(): getattr(linearisation, name) for name in ("CONVERGED", "ROUNDS", "LONGEST", "STILL")}
+        | {"middling": DamperCurve.middling, "resolved": RESOLVED, "swinging": SWINGING},
         "FILES": templates.files(),
         "WORDS": {
             "background": "front and best law: of the car and road as they begin; susp-ss explore has them of any",
             "drifting": drifting(),
+            "unsettled": "dampers' linearisation did not settle; take gentler curves or a smoother road",
             "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },
     }

@@ -154,7 +154,7 @@ def files() -> dict[str, Any]:
 def curve() -> dict[str, Any]:
     """How a vehicle file holds a damper's curve, and how far beyond its knees."""
     own = damper(1.0, rebound=1.0, compression=1.0, knee=0.5, beyond=1.0)
-    return {"entry": curve_entry(own), "further": across_step(own), "middling": own.middling}
+    return {"entry": curve_entry(own), "further": across_step(own)}
 
 
 def of_vehicle(vehicle: Vehicle) -> dict[str, Any]:

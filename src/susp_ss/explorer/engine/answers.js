@@ -1,12 +1,12 @@
 // What the page asks: everything that it shows of a state, as susp_ss.explorer.compute says it.
 
 // The car of a state: what it sets, at the wheels that it means.
-function carOf({ model, vehicle, seat }) {
+function carOf({ model, vehicle, seat, curve }) {
   const kind = seat ? `${model}, seated` : model, { settings } = MODELS[kind], parameters = {};
   const set = (parameter, value) => (parameters[parameter] = value);
   for (const [name, value] of Object.entries(vehicle)) settings.vehicle[name].forEach((one) => set(one, value));
   for (const [name, value] of Object.entries(seat ?? {})) set(settings.seat[name], value);
-  return new Car(kind, parameters);
+  return curve ? new CurvedCar(kind, parameters, curve) : new Car(kind, parameters);
 }
 
 // The road of a state; the waviness of a slider that adds its steps up is off by rounding.
@@ -66,9 +66,12 @@ function overFrequency(car, road, outputs) {
 function compute(state) {
   const car = carOf(state), road = roadOf(state), why = refused(car, road);
   const found = { errors: why ? [{ parameter: "", message: why }] : [], surrogates: [] };
-  if (!why) Object.assign(found, overSpeed(car, road), { comfort: comfort(car, road) });
-  if (road.waviness in GAMMA) Object.assign(found, overFrequency(car, road, state.bode));
-  return Object.assign(found, { modes: modes(car), bump: bump(car, state.bump) });
+  // What curves come to depends on the road.
+  const straight = why && state.curve ? null : car.at(road);
+  if (!why) Object.assign(found, overSpeed(car, road), { comfort: comfort(straight, road) });
+  if (straight && road.waviness in GAMMA) Object.assign(found, overFrequency(straight, road, state.bode));
+  if (straight) found.modes = modes(straight);
+  return Object.assign(found, { bump: state.curve ? bumpOfCurves(car, state.bump) : bump(car, state.bump) });
 }
 
 const agrees = (asked, given) => asked === given

@@ -1,5 +1,8 @@
 // A car as a functional mock-up unit, as susp_ss.exchange writes it, but without a binary.
 
+// Two matrices, the rows of one after those of the other.
+const beside = (one, other) => one.map((row, i) => Float64Array.of(...row, ...other[i]));
+
 // x' = A x + B z_r, y = Y x + D z_r + D1 z_r' over x = (q, q' - M^-1 C_in z_r), of susp_ss.vehicles.second_order.
 function displacementForm({ m, K, C, K_in, C_in, R, N, elongation, rate, acceleration, on_road_velocity: D1 }) {
   const n = m.length, over = (M) => M.map((row, i) => Float64Array.from(row, (one) => one / m[i]));
@@ -9,7 +12,6 @@ function displacementForm({ m, K, C, K_in, C_in, R, N, elongation, rate, acceler
     return total;
   });
   const [k, c, Bz] = [K, C, C_in].map(over), unit = k.map((_, i) => Float64Array.from(k, (_, j) => Number(i === j)));
-  const beside = (one, other) => one.map((row, i) => Float64Array.of(...row, ...other[i]));
   const negative = (M) => M.map((row) => row.map((one) => -one));
   const onPosition = both(multiply(elongation, R), multiply(acceleration, k), -1);
   const onVelocity = both(multiply(rate, R), multiply(acceleration, c), -1);

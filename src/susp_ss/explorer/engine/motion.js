@@ -118,49 +118,63 @@ function assigned(rows, columns) {
   return best.reduce((one, other) => (other.total > one.total ? other : one)).taken;
 }
 
-// Where everything is while the car drives over a haversine bump on both tracks, heights linear between its points.
-function bump(car, { height, length, speed }) {
-  const { dynamics, axles } = car, pieces = Math.ceil(length / BUMP.spacing - 1e-9);
+// The way of a car over a haversine bump on both tracks, heights linear between its points: steps, and which are shown.
+function wayOver({ axles, wheelbase }, { height, length, speed }) {
+  const pieces = Math.ceil(length / BUMP.spacing - 1e-9);
   const point = (k) => 0.5 * height * (1 - Math.cos((2 * Math.PI * k) / pieces));
   const ground = (x) => {
     const at = Math.min(Math.max((x / length) * pieces, 0), pieces), k = Math.min(Math.floor(at), pieces - 1);
     return point(k) + (at - k) * (point(k + 1) - point(k));
   };
   const step = Math.min(BUMP.step, length / speed / BUMP.over);
-  const way = (BUMP.before + BUMP.after) * speed + length + car.wheelbase;
+  const way = (BUMP.before + BUMP.after) * speed + length + wheelbase;
   const steps = Math.floor(way / (speed * step) + 1e-6);
-  const every = Math.max(1, Math.floor((steps + 1) / BUMP.shown));
-  const heights = (i) => axles.map((axle) => ground((i * step - BUMP.before) * speed - axle * car.wheelbase));
-  const { rates } = dynamics, into = car.entering.map((one) => dynamics.amplitudes(one));
-  const free = rates.map((rate) => exponential(scaled(rate, step)));
-  const driven = rates.map((rate, k) => {
-    const gain = meanExponential(scaled(rate, step), complex(0));
-    return into.map((one) => product(one[k], gain));
-  });
-  const felt = car.measured[0].row, found = { t: [], x: [], body: {}, wheels: {}, ground: {}, acceleration: [] };
+  const heights = (i) => axles.map((axle) => ground((i * step - BUMP.before) * speed - axle * wheelbase));
+  return { speed, step, steps, every: Math.max(1, Math.floor((steps + 1) / BUMP.shown)), heights };
+}
+
+// Where everything is on a way, as a drive says it, which goes on by the rise of the heights z.
+function recorded(car, { speed, step, steps, every, heights }, drive) {
+  const found = { t: [], x: [], body: {}, wheels: {}, ground: {}, acceleration: [] };
   const put = (at, place, value) => (at[place] ??= []).push(value);
-  let amplitudes = rates.map(() => complex(0)), z = heights(0);
-  for (let i = 0; ; i++) {
+  for (let i = 0, z = heights(0); ; i++) {
     if (i % every === 0) {
-      const carried = times(car.G, z), warp = sum(car.integrators.map((one) => dot(one, z)));
       found.t.push(i * step - BUMP.before);
       found.x.push((i * step - BUMP.before) * speed);
-      car.placed.forEach(({ at: [group, place], seen }, row) =>
-        put(found[group], place, dynamics.real(seen, amplitudes) + dot(car.places[row], carried)),
-      );
+      car.placed.forEach(({ at: [group, place] }, row) => put(found[group], place, drive.place(row, z)));
       car.corners.forEach((corner, wheel) => put(found.ground, corner, z[wheel]));
-      found.acceleration.push(dynamics.real(car.seen[felt], amplitudes) + car.on_warp[felt] * warp);
+      found.acceleration.push(drive.acceleration(z));
     }
     if (i === steps) return found;
-    const next = heights(i + 1), rise = next.map((one, wheel) => one - z[wheel]);
-    amplitudes = amplitudes.map((one, k) => {
-      const moved = product(free[k], one);
-      driven[k].forEach((gain, wheel) => {
-        moved.re += gain.re * rise[wheel];
-        moved.im += gain.im * rise[wheel];
-      });
-      return moved;
-    });
+    const next = heights(i + 1);
+    drive.on(z, next.map((one, wheel) => one - z[wheel]));
     z = next;
   }
+}
+
+// Where everything is while the car drives over a bump.
+function bump(car, asked) {
+  const way = wayOver(car, asked), { dynamics } = car, { rates } = dynamics, felt = car.measured[0].row;
+  const into = car.entering.map((one) => dynamics.amplitudes(one));
+  const free = rates.map((rate) => exponential(scaled(rate, way.step)));
+  const driven = rates.map((rate, k) => {
+    const gain = meanExponential(scaled(rate, way.step), complex(0));
+    return into.map((one) => product(one[k], gain));
+  });
+  let amplitudes = rates.map(() => complex(0));
+  return recorded(car, way, {
+    place: (row, z) => dynamics.real(car.placed[row].seen, amplitudes) + dot(car.places[row], times(car.G, z)),
+    acceleration: (z) =>
+      dynamics.real(car.seen[felt], amplitudes) + car.on_warp[felt] * sum(car.integrators.map((one) => dot(one, z))),
+    on(_, rise) {
+      amplitudes = amplitudes.map((one, k) => {
+        const moved = product(free[k], one);
+        driven[k].forEach((gain, wheel) => {
+          moved.re += gain.re * rise[wheel];
+          moved.im += gain.im * rise[wheel];
+        });
+        return moved;
+      });
+    },
+  });
 }
