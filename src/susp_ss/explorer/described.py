@@ -10,7 +10,7 @@ import numpy as np
 from ..metrics.comfort import AXES
 from ..metrics.ride import ride_metrics
 from ..quantities import SHIFT, metric_and_place, signal
-from ..responses.excitation import integrated, processes
+from ..responses.excitation import processes
 from ..responses.positions import with_positions
 from ..roads.road import TRACKS, Road
 from ..vehicles.vehicle import Vehicle
@@ -50,7 +50,6 @@ def described(vehicle: Vehicle, asked: tuple[str, ...]) -> dict[str, Any]:
         "corners": list(vehicle.wheels),
         "axles": [wheel.axle for wheel in vehicle.wheels.values()],
         "coordinates": [{"motion": word, "at": at} for word, at in (motion_of(vehicle, q) for q in layout.coordinates)],
-        "suspensions": vehicle.assemble().suspensions.tolist(),
         **(curved(vehicle) if takes_curve(vehicle) else {}),
         "placed": [{"at": at} for _, at in placed(vehicle)],
     }
@@ -61,6 +60,7 @@ def curved(vehicle: Any) -> dict[str, Any]:
     layout, bent = vehicle.layout(), dataclasses.replace(vehicle, cs=damper(1e3, 1.0, 0.5, 0.1, 1.0))
     shifts = [row for row in at_places(ride_metrics(bent, Road())) if row.name.startswith(SHIFT.name)]
     return {
+        "suspensions": vehicle.assemble().suspensions.tolist(),
         "velocities": np.arange(len(layout.outputs))[layout.rates].tolist(),
         "shifts": [row.described() for row in shifts],
     }
@@ -78,29 +78,14 @@ def _output(name: str, layout: Any, public: Any) -> dict[str, Any]:
 
 
 def excitations(vehicle: Vehicle) -> dict[str, Any]:
-    """How a road reaches a vehicle: for each kind of tracks the processes, met by one axle after another.
-
-    Raises
-    ------
-    ValueError
-        The vehicle has more than two axles, which the engine does not know.
-    """
-    if len(vehicle.axles) > 2:
-        raise ValueError(f"the engine knows vehicles of one axle or two, got {type(vehicle).__name__}")
-    model, found = vehicle.assemble(), dict[str, Any]()
-    for tracks in TRACKS:
-        found[tracks] = []
-        for process in processes(vehicle, Road(tracks=tracks)):
-            rates, _ = integrated(model, process)
-            found[tracks].append(
-                {
-                    "share": process.share,
-                    "sign": process.sign,
-                    "weights": process.weights[process.axles].tolist(),
-                    "rates": [sum(rate) for rate in rates[process.axles].tolist()],
-                }
-            )
-    return found
+    """How a road reaches a vehicle: for each kind of tracks the processes, as the wheels of each axle meet them."""
+    return {
+        tracks: [
+            {"share": process.share, "sign": process.sign, "weights": process.weights[process.axles].tolist()}
+            for process in processes(vehicle, Road(tracks=tracks))
+        ]
+        for tracks in TRACKS
+    }
 
 
 def placed(vehicle: Vehicle) -> list[tuple[int, list[str]]]:
@@ -110,3 +95,12 @@ def placed(vehicle: Vehicle) -> list[tuple[int, list[str]]]:
     shown = {body: ["body", "heave"], "pitch": ["body", "pitch"], "roll": ["body", "roll"]}
     shown |= {signal("z_u", wheel): ["wheels", wheel] for wheel in vehicle.wheels}
     return [(names.index(name), at) for name, at in shown.items() if name in names]
+
+
+def refusal(vehicle: Vehicle, road: Road) -> str:
+    """What is said of a vehicle that has no finite variance on a road, whatever that road is."""
+    try:
+        ride_metrics(vehicle, road)
+    except ValueError as error:
+        return str(error).replace(f" ({road.describe()})", "")
+    raise AssertionError(f"{vehicle} must be refused on {road}")

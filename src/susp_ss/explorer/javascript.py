@@ -17,10 +17,10 @@ import numpy as np
 from scipy.special import gamma
 
 from ..metrics.comfort import AXES, REACTIONS
-from ..metrics.ride import ride_metrics
 from ..metrics.weightings import filter_of
 from ..quantities import signal
 from ..responses.covariance import linearisation
+from ..responses.excitation import DRIFT
 from ..responses.positions import form_with_positions
 from ..responses.simulation import RESOLVED, SWINGING
 from ..roads.colours import COINCIDENT, colours
@@ -28,24 +28,27 @@ from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, Road
 from ..vehicles.curves import DamperCurve
 from ..vehicles.full import FullCar
-from ..vehicles.second_order import SPLIT
+from ..vehicles.ride_handling import RideHandlingCar
+from ..vehicles.second_order import ROUNDING, SPLIT
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion, templates
 from .background import FACTORS, background, conditions
 from .compute import SPEEDS
-from .described import described, placed
+from .described import described, placed, refusal
+from .moving import WORDS, moving, said
 from .seat import seated
 from .spectra import FREQUENCIES
 from .state import NOTHING
 from .symbols import Lines
 from .table import DESIGN, Choice, Number
 
-MODELS = ("full", "quarter", "pitch-half", "roll-half")
-"""Models that the engine knows: rigid bodies on wheels, for which speed is the road's alone."""
+MODELS = ("full", "quarter", "pitch-half", "roll-half", "ride-handling")
+"""Models that the engine knows."""
 
 SOURCES = (
-    *("algebra.js", "complex.js", "covariance.js", "ride.js", "motion.js", "fmu.js", "curves.js", "answers.js"),
-    *("zip.js", "files.js"),
+    *("algebra.js", "complex.js", "modes.js", "eigen.js", "covariance.js"),
+    *("ride.js", "moving.js", "motion.js", "forms.js", "curves.js", "answers.js"),
+    *("zip.js", "fmu.js", "files.js"),
 )
 
 # What JavaScript asks of an assembled car.
@@ -67,7 +70,7 @@ def assembled(vehicle: Vehicle) -> str:
     _, _, Y, _, _ = form_with_positions(model, car)
     n, rows = len(model.layout.coordinates), [row for row, _ in placed(vehicle)]
     parts = {name: getattr(model, name) for name in MATRICES}
-    parts |= {"track_width": car.track_width, "wheelbase": car.wheelbase, "places": Y[rows, :n]}
+    parts |= {"track_width": car.track_width, "behind": list(car.axles), "places": Y[rows, :n]}
     return lines.function(parts)
 
 
@@ -100,22 +103,24 @@ def settings(name: str, vehicle: Vehicle) -> dict[str, list[str]]:
 
 
 def model(name: str) -> str:
-    """A model, without a seat and with one, as entries of an object of JavaScript."""
+    """A model, and where it takes a seat also with that, as entries of an object of JavaScript."""
     bare: Any = NOTHING.models[name]
     seat = {row.key: row.default for row in numbers(name, "seat")}
     asked = next(row for row in NOTHING.tables[name] if isinstance(row, Choice) and row.name == "bode")
     alone = tuple(output for output in asked.options if output not in asked.seated)
+    known: dict[str, Any] = {"vehicle": settings(name, bare)}
+
+    def entry(key: str, car: Any, outputs: tuple[str, ...]) -> str:
+        moves = isinstance(car, RideHandlingCar)
+        data = described(car, outputs) | (said(car) if moves else {})
+        data |= {"settings": known, "files": templates.of_vehicle(car)}
+        return f"{json.dumps(key)}: {{ ...{json.dumps(data)},\nassemble: {(moving if moves else assembled)(car)} }}"
+
+    if not seat:
+        return entry(name, bare, alone)
     occupied = seated(bare, seat)
     more = [field for field in type(occupied).quantities() if field not in type(bare).quantities()]
-    known = {
-        "vehicle": settings(name, bare),
-        "seat": {key: next(field for field in more if field.startswith(f"seat_{key}")) for key in seat},
-    }
-
-    def entry(key: str, car: Vehicle, outputs: tuple[str, ...]) -> str:
-        data = json.dumps(described(car, outputs) | {"settings": known, "files": templates.of_vehicle(car)})
-        return f"{json.dumps(key)}: {{ ...{data},\nassemble: {assembled(car)} }}"
-
+    known["seat"] = {key: next(field for field in more if field.startswith(f"seat_{key}")) for key in seat}
     return ",\n".join([entry(name, bare, alone), entry(f"{name}, seated", occupied, asked.options)])
 
 
@@ -130,13 +135,15 @@ def designs(name: str) -> list[dict[str, Any]]:
     return [{"key": row.key, "group": row.group, "value": row.default} for row in rows]
 
 
-def best(name: str) -> dict[str, Any]:
-    """The Pareto front and the active bound of a model as the page begins with it, and under what they hold.
+def best(name: str) -> dict[str, Any] | None:
+    """The Pareto front and the active bound of a model as the page begins with it, and under what they hold, if any.
 
     Root mean squares grow with the root of the road's roughness, so that one of these serves every roughness.
     """
     state = conditions(NOTHING.default(name))
     found, own = background(state), {row["key"] for row in designs(name)}
+    if "front" not in found:
+        return None
     return {
         "conditions": {
             "vehicle": {key: value for key, value in state["vehicle"].items() if key not in own},
@@ -158,16 +165,6 @@ def wavinesses() -> list[float]:
     return [round(row.least + i * row.step, 9) for i in range(steps + 1)]
 
 
-def drifting() -> str:
-    """What is said where the ground's warp has no finite variance."""
-    road = Road(waviness=3.0, tracks="independent")
-    try:
-        ride_metrics(FullCar(), road)
-    except ValueError as error:
-        return str(error).replace(f" ({road.describe()})", "")
-    raise AssertionError("independent tracks of waviness 3 must be refused")
-
-
 def engine(named: Iterable[str] = MODELS) -> str:
     """The engine as a script.
 
@@ -184,6 +181,8 @@ def engine(named: Iterable[str] = MODELS) -> str:
     step = inspect.signature(obstacle).parameters["step"].default
     constants: dict[str, Any] = {
         "COINCIDENT": COINCIDENT,
+        "DAMPED": ROUNDING,
+        "DRIFT": DRIFT,
         "SPLIT": SPLIT,
         "REFERENCE_WAVENUMBER": REFERENCE_WAVENUMBER,
         "SPEEDS": SPEEDS.tolist(),
@@ -204,8 +203,10 @@ def engine(named: Iterable[str] = MODELS) -> str:
         "FILES": templates.files(),
         "WORDS": {
             "background": "front and best law: of the car and road as they begin; susp-ss explore has them of any",
-            "drifting": drifting(),
+            "drifting": refusal(FullCar(), Road(waviness=3.0, tracks="independent")),
+            "fmu": "no FMU of a car that moves here; susp-ss explore writes it",
             "unsettled": "dampers' linearisation did not settle; take gentler curves or a smoother road",
+            **WORDS,
             "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },
     }

@@ -6,7 +6,7 @@ entry then holds is the name of the line that computes it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any
 
@@ -45,15 +45,18 @@ class Lines:
         }
         """
         needed: set[Symbol] = set()
-        left = [x for value in results.values() for x in np.ravel(np.array(value, dtype=object)).tolist()]
+        left: list[Any] = [results]
         while left:
-            symbol = left.pop()
-            if isinstance(symbol, Symbol) and symbol not in needed:
-                needed.add(symbol)
-                left.extend(symbol.of)
+            value = left.pop()
+            if isinstance(value, Mapping):
+                left.extend(value.values())
+            elif isinstance(value, (Sequence, np.ndarray)):
+                left.extend(value)
+            elif isinstance(value, Symbol) and value not in needed:
+                needed.add(value)
+                left.extend(value.of)
         lines = [f"const {symbol.code} = {code};" for code, symbol in self.known.items() if symbol in needed]
-        made = ", ".join(f"{name}: {written(value)}" for name, value in results.items())
-        return "\n".join(["(p) => {", *lines, f"return {{ {made} }};", "}"])
+        return "\n".join(["(p) => {", *lines, f"return {written(results)};", "}"])
 
 
 class Symbol:
@@ -98,6 +101,9 @@ class Symbol:
     def __rtruediv__(self, other: Any) -> Any:
         return self._with("/", other, swapped=True)
 
+    def __pow__(self, exponent: int) -> Any:
+        return self * self if exponent == 2 else NotImplemented
+
     def __neg__(self) -> Symbol:
         return self.lines.computed(f"-{self.code}", self)
 
@@ -112,7 +118,7 @@ class Symbol:
 
 
 def written(value: Any) -> str:
-    """A number, or an array of them, as JavaScript reads it, with all its digits.
+    """A number, an array or an object of them, as JavaScript reads it, with all its digits.
 
     Examples
     --------
@@ -122,7 +128,9 @@ def written(value: Any) -> str:
     """
     if isinstance(value, Symbol):
         return value.code
-    if np.ndim(value):
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{name}: {written(part)}' for name, part in value.items())} }}"
+    if isinstance(value, (Sequence, np.ndarray)):
         return f"[{', '.join(written(part) for part in value)}]"
     number = float(value)
     return f"({number!r})" if number < 0.0 else repr(number)

@@ -99,6 +99,7 @@ def vehicle_call(vehicle: Vehicle) -> dict[str, Any]:
                 "told": bool(defaults.get(name)),
             }
             for name in vehicle.quantities()
+            if getattr(vehicle, name) is not None
         },
     }
 
@@ -114,12 +115,14 @@ def road_call() -> list[dict[str, Any]]:
     ]
 
 
-def fmu(vehicle: Vehicle) -> list[dict[str, str]]:
-    """Description and tables of an FMU, on heights of the road and on their rates.
+def fmu(vehicle: Vehicle) -> list[dict[str, str]] | None:
+    """Description and tables of an FMU, on heights of the road and on their rates; None of a car that moves.
 
     Gaps are the parameters, in C the matrices, the GUID, and what each output, then each state's rate depends on:
     ``row 0``, ``row 1`` and so on.
     """
+    if vehicle.layout().controls:
+        return None
     return [_fmu(realised(vehicle.replaced(ct=ct)), type(vehicle).__name__) for ct in (0.0, 1.0)]
 
 

@@ -44,11 +44,14 @@ class Velocities(NamedTuple):
 
 def assembled(car: Any) -> HandlingModel:
     """The model of a flattened `RideHandlingCar`'s designs."""
-    return _Assembly(car).model()
+    return Assembly(car).model()
 
 
-class _Assembly:
-    """All matrices of a car on the way to its model, (N, rows, columns); states ``s = (p, w, v, r, slips, lags)``."""
+class Assembly:
+    """All matrices of a car on the way to its model, (N, rows, columns); states ``s = (p, w, v, r, slips, lags)``.
+
+    What stands before `model` is arithmetic alone, of numbers of any kind.
+    """
 
     def __init__(self, car: Any):
         self.car, self.rows, self.wheels = car, car.velocities(), tuple(car.wheels)
@@ -64,10 +67,16 @@ class _Assembly:
         self.v, self.r = 2 * n, 2 * n + 1
         self.slips, self.lags = slice(2 * n + 2, 2 * n + 6), slice(2 * n + 6, 2 * n + 6 + k)
         self.size = 2 * n + 6 + k
+        self.M, self.K, self.C = self.matrices()
 
     def each(self, *values: Any) -> Array:
         """Values as (N, values)."""
-        return np.stack([np.broadcast_to(value, self.N) for value in values], axis=-1).astype(float)
+        stack = np.stack([np.broadcast_to(value, self.N) for value in values], axis=-1)
+        return stack.astype(np.result_type(float, stack))
+
+    def zeros(self, *shape: int) -> Array:
+        """A matrix to be filled."""
+        return np.zeros((self.N, *shape), dtype=self.U.dtype)
 
     def of(self, motions: Sequence[Motion]) -> Array:
         """Motions as rows over all coordinates."""
@@ -84,14 +93,18 @@ class _Assembly:
         kept = self.kept()
         A, B, Bu = (kept @ x for x in (rates, road, controls))
         self.on_course(A, B, Bu)
-        C, on_road, on_control = self.outputs(rates, road, controls)
+        acceleration, C, on_road, on_control = self.outputs()
+        moving = slice(self.positions, self.positions + self.moving)
+        C, on_road, on_control = (
+            own + acceleration @ by[:, moving] for own, by in ((C, rates), (on_road, road), (on_control, controls))
+        )
         eigenvalues, vectors = np.linalg.eig(A)
         layout, warp = self.car.layout(), self.ride.integrators
         warp = np.broadcast_to(warp, (self.N, *warp.shape[-2:]))
         names = self.rows.names
         lags = tuple(signal("lag", name) for name, lag in zip(self.wheels, self.lagging, strict=True) if lag)
-        moving = (*(f"p_{name}" for name in names[: self.positions]), *(f"d{name}" for name in names))
-        own = (*moving[: 2 * self.positions + 2], *(signal("slip", name) for name in self.wheels), *lags)
+        motions = (*(f"p_{name}" for name in names[: self.positions]), *(f"d{name}" for name in names))
+        own = (*motions[: 2 * self.positions + 2], *(signal("slip", name) for name in self.wheels), *lags)
         signals = {field.name: getattr(layout, field.name) for field in fields(layout)}
         return HandlingModel(
             layout=HandlingLayout(**signals, names=(*own, *INTEGRATORS)),
@@ -105,7 +118,7 @@ class _Assembly:
             on_road_velocity=on_road,
             states=np.broadcast_to(np.eye(self.size + 2), (self.N, self.size + 2, self.size + 2)),
             damping=self.car.damping(),
-            all_motions=Motions(rates, road, controls, kept, (*moving, *lags)),
+            all_motions=Motions(rates, road, controls, kept, (*motions, *lags)),
             control=Bu,
             on_control=on_control,
             mass=self.M,
@@ -115,46 +128,54 @@ class _Assembly:
             critical=self.each(self.car.critical())[:, 0],
         )
 
-    def motion(self) -> tuple[Array, Array, Array]:
-        """How everything moves: rates of (positions, velocities, lags) by the states s, the road and the controls."""
+    def matrices(self) -> tuple[Array, Array, Array]:
+        """Masses of all motions, and stiffness and damping of those that have a position."""
         car, n = self.car, self.positions
         J, m = self.of([row for row, _ in self.rows.inertias]), self.each(*(m for _, m in self.rows.inertias))
-        self.M = J.mT @ (m[..., None] * J)
-        inverse = np.linalg.inv(self.M)
         K, C = (self.padded(x, n, n) for x in (self.ride.K, self.ride.C))
         K[:, self.roll, self.roll] -= self.leaning
-        steered = range(self.riding, n)
-        for i in steered:
+        for i in range(self.riding, n):
             K[:, i, i] += np.broadcast_to(car.steering, self.N)
             C[:, i, i] += np.broadcast_to(car.steering_damping, self.N)
-        self.K, self.G = K, np.linalg.solve(K, self.padded(self.ride.K_in, n, 4))
+        return J.mT @ (m[..., None] * J), K, C
 
+    def forces(self) -> tuple[Array, Array]:
+        """What pushes every motion, by the states s and by the controls."""
+        car, n = self.car, self.positions
         contacts, slips, shafts = self.forms
         across, pushed = self.lateral_forces()
-        along = np.zeros((self.N, 4, self.size))
+        along = self.zeros(4, self.size)
         along[..., self.slips] = -(self.each(*car.at_wheels("slip")) / self.U)[..., None] * np.eye(4)
         forces = contacts.mT @ across + slips.mT @ along
-        forces[:, :n, self.p] -= K
-        forces[:, :n, self.w] -= C
+        forces[:, :n, self.p] -= self.K
+        forces[:, :n, self.w] -= self.C
         by_control = contacts.mT @ pushed
         by_control[..., 2 : len(CONTROLS)] += shafts.mT
         by_control[:, : self.riding, len(CONTROLS) :] -= self.ride.R[..., self.ride.suspensions, :].mT
-        for i in steered:
+        for i in range(self.riding, n):
             by_control[:, i, 0] += np.broadcast_to(car.steering, self.N)
-        rates = np.zeros((self.N, n + self.moving + self.lags.stop - self.lags.start, self.size))
+        # A car that turns has the lateral acceleration v' + U r.
+        forces[..., self.r] -= self.U * self.M[..., n]
+        return forces, by_control
+
+    def motion(self) -> tuple[Array, Array, Array]:
+        """How everything moves: rates of (positions, velocities, lags) by the states s, the road and the controls."""
+        n, moving = self.positions, slice(self.positions, self.positions + self.moving)
+        inverse, (forces, by_control) = np.linalg.inv(self.M), self.forces()
+        self.G = np.linalg.solve(self.K, self.padded(self.ride.K_in, n, 4))
+        rates = self.zeros(n + self.moving + self.lags.stop - self.lags.start, self.size)
         rates[:, :n, self.w] = np.eye(n)
-        rates[:, n : n + self.moving] = inverse @ forces
-        rates[:, n + n, self.r] -= self.U[:, 0]
-        road, controls = np.zeros((*rates.shape[:2], 4)), np.zeros((*rates.shape[:2], DRIVEN))
+        rates[:, moving] = inverse @ forces
+        road, controls = self.zeros(rates.shape[1], 4), self.zeros(rates.shape[1], DRIVEN)
         road[:, :n] = -self.G
-        road[:, n : n + self.moving] = inverse[..., :n] @ self.padded(self.ride.C_in, n, 4)
-        controls[:, n : n + self.moving] = inverse @ by_control
-        self.lag(rates, controls)
+        road[:, moving] = inverse[..., :n] @ self.padded(self.ride.C_in, n, 4)
+        controls[:, moving] = inverse @ by_control
+        rates[:, moving.stop :], controls[:, moving.stop :] = self.lag()
         return rates, road, controls
 
     def slip_angles(self) -> tuple[Array, Array]:
         """By the states and the controls, (N, 4, states) and (N, 4, controls)."""
-        angle, steered = np.zeros((self.N, 4, self.size)), np.zeros((self.N, 4, DRIVEN))
+        angle, steered = self.zeros(4, self.size), self.zeros(4, DRIVEN)
         n = self.positions
         angle[..., n : 2 * n + 2] = -self.forms[0][..., : n + 2] / self.U[..., None]
         for i, _ in enumerate(self.rows.steer):
@@ -173,17 +194,19 @@ class _Assembly:
         stiffness = self.each(*self.car.at_wheels("cornering"))[..., None]
         return stiffness * angle, stiffness * steered
 
-    def lag(self, rates: Array, controls: Array) -> None:
+    def lag(self) -> tuple[Array, Array]:
         """``alpha_late' = (alpha - alpha_late) U / sigma``; of a design without, a state that fades unseen."""
         angle, steered = self.slip_angles()
         length = self.each(*self.car.at_wheels("relaxation"))
-        first = self.positions + self.moving
+        lags = self.lags.stop - self.lags.start
+        rates, controls = self.zeros(lags, self.size), self.zeros(lags, DRIVEN)
         for i, wheel in enumerate(np.flatnonzero(self.lagging)):
             late = length[:, wheel] > 0.0
             rate = np.where(late, self.U[:, 0] / np.where(late, length[:, wheel], 1.0), 0.0)[:, None]
-            rates[:, first + i] = rate * angle[:, wheel]
-            rates[:, first + i, self.lags.start + i] -= np.where(late, rate[:, 0], 1.0)
-            controls[:, first + i] = rate * steered[:, wheel]
+            rates[:, i] = rate * angle[:, wheel]
+            rates[:, i, self.lags.start + i] -= np.where(late, rate[:, 0], 1.0)
+            controls[:, i] = rate * steered[:, wheel]
+        return rates, controls
 
     def carcass(self) -> Array:
         """Energy in a tyre that lags behind, a spring of ``C / sigma`` under ``C alpha``, per half ``alpha^2``."""
@@ -212,35 +235,31 @@ class _Assembly:
         A[np.ix_(adrift, course, course)] = -np.eye(2)
         control[adrift] = np.nan
 
-    def outputs(self, rates: Array, road: Array, controls: Array) -> tuple[Array, Array, Array]:
-        """Outputs by the states s, the road's velocity and the controls."""
-        ride, n, table = self.ride, self.positions, self.car.layout().outputs
-        velocities = slice(n, n + self.moving)
+    def outputs(self) -> tuple[Array, Array, Array, Array]:
+        """Outputs by the rates of all velocities, and beside these by the states, the road and the controls."""
+        ride, table = self.ride, self.car.layout().outputs
         acceleration = self.padded(ride.acceleration, len(table), self.moving)
-        C, D, Du = (acceleration @ x[:, velocities] for x in (rates, road, controls))
-        C[..., self.p] += self.padded(ride.elongation @ ride.R, len(table), n)
-        C[..., self.w] += self.padded(ride.rate @ ride.R, len(table), n)
-        D = D + ride.rate @ ride.N
-        body = self.of([self.rows.body])
-        for x, by in ((C, rates), (D, road), (Du, controls)):
-            x[:, table.of("ay")] = body @ by[:, velocities]
+        acceleration[:, table.of("ay")] = self.of([self.rows.body])
+        elongation, rate = (self.transferred(x) for x in (ride.elongation, ride.rate))
+        C, Du = self.zeros(len(table), self.size), self.zeros(len(table), DRIVEN)
+        C[..., self.p] = self.padded(elongation @ ride.R, len(table), self.positions)
+        C[..., self.w] = self.padded(rate @ ride.R, len(table), self.positions)
         C[:, table.of("ay"), self.r] += self.U
         C[:, table.of("yaw_rate"), self.r] = 1.0
         C[:, table.of("sideslip"), self.v] = 1.0 / self.U
         C[:, table.of("roll"), self.roll] = 1.0
         C[:, table.of("slip_angle")], Du[:, table.of("slip_angle")] = self.slip_angles()
-        for x in (C, D, Du):
-            self.transfer(x)
-        return C, D, Du
+        return acceleration, C, rate @ ride.N, Du
 
-    def transfer(self, x: Array) -> None:
-        """Loads that move from the left wheels to the right, by those of the tyres."""
-        table = self.car.layout().outputs
+    def transferred(self, x: Array) -> Array:
+        """The same with the loads that move from the left wheels to the right, by those of the tyres."""
+        x, table = np.broadcast_to(x, (self.N, *x.shape[-2:])).copy(), self.car.layout().outputs
         fr, fl, rr, rl = np.moveaxis(x[:, table.of("dtl")], 1, 0)
         front, rear = 0.5 * (fr - fl), 0.5 * (rr - rl)
         x[:, table.of("load_transfer")] = np.stack([front, rear], axis=1)
         weight = self.each(self.car.weight)
         x[:, table.of("load_transfer_ratio")] = (2.0 * (front + rear) / weight)[:, None]
+        return x
 
     def on_heights(self) -> Array:
         """Outputs per metre of road warp, and per angle to which a road that stands still would bring the body."""
@@ -249,7 +268,6 @@ class _Assembly:
         leaning[:, self.roll, 0] = self.leaning
         leant = np.linalg.solve(np.broadcast_to(ride.K, (self.N, n, n)), leaning)
         warped = np.broadcast_to(ride.warped, (self.N, *ride.warped.shape[-2:]))
-        felt = ride.elongation @ np.concatenate([warped, ride.R @ leant], axis=-1)
+        felt = self.transferred(ride.elongation) @ np.concatenate([warped, ride.R @ leant], axis=-1)
         felt[:, table.of("roll"), 1] = 1.0
-        self.transfer(felt)
         return felt

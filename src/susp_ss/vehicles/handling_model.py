@@ -39,6 +39,16 @@ NAMED = {
 INTEGRATORS = ("warp", "bank")
 """The warp of the road in m, and the angle in rad to which a road that stands still would bring the body."""
 
+OVER_CRITICAL = (
+    "is unstable at {speed} m/s, above its critical speed of {critical} m/s; pass a lower speed or stiffer rear tyres "
+    "(cornering)"
+)
+
+LASTING = (
+    "has a mode that does not die out at {speed} m/s (rate {worst} 1/s); pass springs that hold the body up (ks, "
+    "arb_front, arb_rear), dampers (cs) and tyres that hold it on course (cornering)"
+)
+
 
 class Motions(NamedTuple):
     """``x' = rates s + road z_r' + control u`` of all motions x, of which forces depend on ``s = kept x`` alone."""
@@ -103,15 +113,9 @@ class HandlingModel(LinearModel):
         first = int(np.argmax(growing))
         speed, critical = (float(x[first]) for x in (self.speed, self.critical))
         if speed >= critical:
-            return (
-                f"is unstable at {speed:.4g} m/s, above its critical speed of {critical:.4g} m/s; pass a lower speed "
-                "or stiffer rear tyres (cornering)"
-            )
+            return OVER_CRITICAL.format(speed=f"{speed:.4g}", critical=f"{critical:.4g}")
         worst = self.rates[first][np.argmax(self.rates[first].real)]
-        return (
-            f"has a mode that does not die out at {speed:.4g} m/s (rate {worst:.3g} 1/s); pass springs that hold the "
-            "body up (ks, arb_front, arb_rear), dampers (cs) and tyres that hold it on course (cornering)"
-        )
+        return LASTING.format(speed=f"{speed:.4g}", worst=f"{worst:.3g}")
 
     def drifting(self, which: NDArray[np.bool_]) -> str:
         """What has no finite variance where the warp of the road, or the angle of its tracks, drifts."""

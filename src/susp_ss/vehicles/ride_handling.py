@@ -32,6 +32,11 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+LACKING = (
+    "(izz=...) must exceed {need} kg m^2, what the wheels have about the body's centre of gravity and ixz asks for, "
+    "got {izz}"
+)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RideHandlingCar(FullCar):
@@ -200,6 +205,11 @@ class RideHandlingCar(FullCar):
         return self.izz - wheels - (2.0 * self.steering_inertia if self.steering is not None else 0.0)
 
     @property
+    def least_izz(self) -> Any:
+        """What the yaw inertia of the whole car must exceed in kg m^2."""
+        return self.izz - self.body_izz + self.ixz**2 / self.ixx
+
+    @property
     def lean(self) -> Any:
         """What gravity adds to roll per mass of the body and angle, ``g h``, in m^2/s^2."""
         return GRAVITY * self.arm
@@ -218,15 +228,12 @@ class RideHandlingCar(FullCar):
         ValueError
             A yaw inertia that the wheels alone exceed, or a product of inertia that no body has.
         """
-        least = self.izz - self.body_izz + self.ixz**2 / self.ixx
+        least = self.least_izz
         lacking = np.atleast_1d(self.izz <= least)
         if lacking.any():
             which = np.argmax(lacking)
-            izz, need = (np.broadcast_to(x, lacking.shape)[which] for x in (self.izz, least))
-            raise ValueError(
-                f"{type(self).__name__}(izz=...) must exceed {need:.4g} kg m^2, what the wheels have about the body's "
-                f"centre of gravity and ixz asks for, got {izz:.4g}"
-            )
+            izz, need = (f"{np.broadcast_to(x, lacking.shape)[which]:.4g}" for x in (self.izz, least))
+            raise ValueError(f"{type(self).__name__}{LACKING.format(need=need, izz=izz)}")
         return assembled(self)
 
     @classmethod

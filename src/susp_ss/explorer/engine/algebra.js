@@ -1,8 +1,18 @@
 // Dense linear algebra of small real matrices, arrays of rows.
 
-const zeros = (rows, columns) => Array.from({ length: rows }, () => new Float64Array(columns));
+function zeros(rows, columns) {
+  const out = [];
+  for (let i = 0; i < rows; i++) out.push(new Float64Array(columns));
+  return out;
+}
+
 const sum = (x) => x.reduce((total, one) => total + one, 0);
-const transpose = (A) => Array.from(A[0], (_, j) => Float64Array.from(A, (row) => row[j]));
+
+function transpose(A) {
+  const out = zeros(A[0].length, A.length);
+  for (let i = 0; i < A.length; i++) for (let j = 0; j < out.length; j++) out[j][i] = A[i][j];
+  return out;
+}
 
 function dot(x, y) {
   let total = 0;

@@ -1,12 +1,13 @@
 // What the page asks: everything that it shows of a state, as susp_ss.explorer.compute says it.
 
 // The car of a state: what it sets, at the wheels that it means.
-function carOf({ model, vehicle, seat, curve }) {
+function carOf({ model, vehicle, seat, curve, road }) {
   const kind = seat ? `${model}, seated` : model, { settings } = MODELS[kind], parameters = {};
   const set = (parameter, value) => (parameters[parameter] = value);
   for (const [name, value] of Object.entries(vehicle)) settings.vehicle[name].forEach((one) => set(one, value));
   for (const [name, value] of Object.entries(seat ?? {})) set(settings.seat[name], value);
-  return curve ? new CurvedCar(kind, parameters, curve) : new Car(kind, parameters);
+  if (curve) return new CurvedCar(kind, parameters, curve);
+  return MODELS[kind].moves ? new MovingCar(kind, { ...parameters, speed: road.speed }) : new Car(kind, parameters);
 }
 
 // The road of a state; the waviness of a slider that adds its steps up is off by rounding.
@@ -20,20 +21,25 @@ const finite = (value) => (Number.isFinite(value) ? value : null);
 // Why a road has no finite variances, or none that is known here.
 function refused(car, road) {
   if (!(road.waviness in GAMMA)) return WORDS.waviness;
-  const steep = ({ sign, rates }) => sign === 0 && rates.some((rate) => rate !== 0);
-  return road.waviness >= 3 && !road.cutoff && car.processes[road.tracks].some(steep) ? WORDS.drifting : "";
+  const unstable = car.unstable();
+  if (unstable || road.cutoff) return unstable;
+  for (const process of car.processes[road.tracks]) {
+    const { rates, drift } = car.integrated(process), near = process.sign < 0 && road.waviness < 3;
+    const steep = road.waviness >= 3 && process.sign === 0;
+    const which = drift.map((one, k) => (one !== 0 && !near) || (steep && rates.some((row) => row[k] !== 0)));
+    if (which.some(Boolean)) return car.drifting(which);
+  }
+  return "";
 }
 
 function overSpeed(car, road) {
-  const values = SPEEDS.map((speed) => car.metrics({ ...road, speed })), own = car.metrics(road);
-  const described = ({ name, label, unit }) => ({ name, label, unit });
-  return {
-    metrics: car.measured.map((one, i) => ({ ...described(one), value: finite(own[i]) })),
-    speeds: {
-      speed: SPEEDS,
-      metrics: car.measured.map((one, i) => ({ ...described(one), values: values.map((some) => finite(some[i])) })),
-    },
-  };
+  const described = ({ name, label, unit }) => ({ name, label, unit }), own = car.metrics(road);
+  const found = { metrics: car.measured.map((one, i) => ({ ...described(one), value: finite(own[i]) })) };
+  const cars = SPEEDS.map((speed) => car.at({ ...road, speed })), why = cars.map((one) => one.unstable()).find(Boolean);
+  if (why) return { ...found, errors: [{ parameter: "", message: why }] };
+  const values = cars.map((one, i) => one.metrics({ ...road, speed: SPEEDS[i] }));
+  const over = car.measured.map((one, i) => ({ ...described(one), values: values.map((some) => finite(some[i])) }));
+  return { ...found, speeds: { speed: SPEEDS, metrics: over }, errors: [] };
 }
 
 function comfort(car, road) {
@@ -64,14 +70,15 @@ function overFrequency(car, road, outputs) {
 }
 
 function compute(state) {
-  const car = carOf(state), road = roadOf(state), why = refused(car, road);
+  const car = carOf(state), road = roadOf(state), never = car.impossible(), why = never || refused(car, road);
   const found = { errors: why ? [{ parameter: "", message: why }] : [], surrogates: [] };
+  if (never) return found;
   // What curves come to depends on the road.
-  const straight = why && state.curve ? null : car.at(road);
-  if (!why) Object.assign(found, overSpeed(car, road), { comfort: comfort(straight, road) });
-  if (straight && road.waviness in GAMMA) Object.assign(found, overFrequency(straight, road, state.bode));
-  if (straight) found.modes = modes(straight);
-  return Object.assign(found, { bump: state.curve ? bumpOfCurves(car, state.bump) : bump(car, state.bump) });
+  const own = why && state.curve ? null : car.at(road);
+  if (!why) Object.assign(found, overSpeed(car, road), { comfort: comfort(own, road) });
+  if (own && road.waviness in GAMMA) Object.assign(found, overFrequency(own, road, state.bode));
+  if (own) found.modes = modes(own);
+  return Object.assign(found, { bump: car.over(state.bump) });
 }
 
 const agrees = (asked, given) => asked === given
@@ -80,6 +87,7 @@ const agrees = (asked, given) => asked === given
 // The front and the bound, where a state is what they were written for; both grow as every metric does with the road.
 function bestOf(state) {
   const best = BEST[state.model];
+  if (best === null) return { errors: [] };
   if (!best || !agrees(best.conditions, state)) return { errors: [{ parameter: "", message: WORDS.background }] };
   const by = Math.sqrt(state.road.roughness / best.roughness);
   const grown = (points) => ({ points: points.map((point) => point.map((value) => value * by)) });
@@ -89,7 +97,7 @@ function bestOf(state) {
 // Two metrics for every combination of springs and dampers about the model's own, as susp_ss.explorer.background says.
 function background(state) {
   const own = DESIGNS[state.model], road = roadOf(state);
-  const bare = carOf(state), why = refused(bare, road);
+  const bare = carOf(state), why = bare.impossible() || refused(bare, road);
   if (why) return { errors: [{ parameter: "", message: why }] };
   const named = (name) => bare.measured.findIndex((one) => one.name === name || one.name.startsWith(`${name}@`));
   const [x, y] = [named(state.carpet.x), named(state.carpet.y)];

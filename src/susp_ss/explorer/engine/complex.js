@@ -6,8 +6,14 @@ const minus = (a, b) => complex(a.re - b.re, a.im - b.im);
 const product = (a, b) => complex(a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re);
 const scaled = (a, factor) => complex(a.re * factor, a.im * factor);
 const conjugate = (a) => complex(a.re, -a.im);
-const modulus = (a) => Math.hypot(a.re, a.im);
+const modulus = (a) => Math.sqrt(a.re * a.re + a.im * a.im);
 const power = (a) => a.re * a.re + a.im * a.im;
+
+// total += a b.
+function increase(total, a, b) {
+  total.re += a.re * b.re - a.im * b.im;
+  total.im += a.re * b.im + a.im * b.re;
+}
 
 function quotient(a, b) {
   const size = power(b);
@@ -126,8 +132,14 @@ function hessenberg(A) {
 
 // The eigenvalue of the last two rows and columns that is nearer to the last entry.
 function wilkinson(H, end) {
+  const larger = beyond(H, end), across = product(H[end - 1][end], H[end][end - 1]);
+  return power(larger) ? minus(H[end][end], quotient(across, larger)) : H[end][end];
+}
+
+// By how much the other one is beyond the last entry.
+function beyond(H, end) {
   const across = product(H[end - 1][end], H[end][end - 1]), half = scaled(minus(H[end - 1][end - 1], H[end][end]), 0.5);
   const square = root(plus(product(half, half), across));
-  const sums = [plus(half, square), minus(half, square)], larger = power(sums[0]) > power(sums[1]) ? sums[0] : sums[1];
-  return power(larger) ? minus(H[end][end], quotient(across, larger)) : H[end][end];
+  const sums = [plus(half, square), minus(half, square)];
+  return power(sums[0]) > power(sums[1]) ? sums[0] : sums[1];
 }

@@ -1,22 +1,16 @@
 // A car's motion by its modes, and its exact covariance on a road: for one design, the algebra of
 // susp_ss.responses.covariance.modal and first_order.
 
-// Of the size of its terms, what a sum that cancels leaves.
-const ROUNDING = 1e-13;
-
-// Modes of a condition above this are too nearly one to keep digits; dampers then count as other by a ten-millionth.
-const PARALLEL = 1e4, ASIDE = 1e-7;
-
-// p' = v + ..., v' = -K p - C v + ..., K and C symmetric; vectors hold the positions before the velocities. Modes are
-// those that creep and one of each pair that swings, with their eigenvalues `rates` and `shapes` of the positions; `W`
-// takes vectors to their amplitudes. Real vectors are made of them and, for the `swinging`, of their conjugates.
-class Dynamics {
+// p' = v + ..., v' = -K p - C v + ..., K and C symmetric; vectors hold the positions before the velocities, `shapes` are
+// those of the positions.
+class Dynamics extends Modes {
   static of(K, C) {
     const own = new Dynamics(K, C);
     return own.condition < PARALLEL ? own : new Dynamics(K, divided(C, 1 - ASIDE));
   }
 
   constructor(K, C) {
+    super();
     const n = K.length, unit = Math.sqrt(sum(K.map((row, i) => row[i])) / n);
     Object.assign(this, { n, K: divided(K, unit ** 2), C: divided(C, unit) });
     const A = zeros(2 * n, 2 * n);
@@ -25,33 +19,16 @@ class Dynamics {
       A[n + i].set(this.K[i].map((k) => -k));
       A[n + i].set(this.C[i].map((c) => -c), n);
     }
-    const creeping = (rate) => Math.abs(rate.im) <= SPLIT * modulus(rate);
     const found = eigenvalues(A).filter((rate) => creeping(rate) || rate.im > 0);
     const modes = found.map((rate, at) => this.polished(rate, at));
-    this.rates = modes.map(({ rate }) => scaled(rate, unit));
+    this.turn(modes.map(({ rate }) => scaled(rate, unit)));
     this.shapes = modes.map(({ shape }) => shape);
-    this.swinging = modes.flatMap(({ rate }, k) => (creeping(rate) ? [] : [k]));
-    this.counted = modes.map(({ rate }) => (creeping(rate) ? 1 : 2));
     const all = this.whole(this.rates), V = A.map((_, i) => this.whole(this.shapes.map((shape) => shape[i % n]))
       .map((one, k) => (i < n ? one : product(all[k], one))));
     const sizes = this.rates.map((_, k) => sum(V.map((row, i) => (i < n ? unit : 1) * modulus(row[k]))));
     this.W = solve(V, V.map((row, i) => row.map((_, j) => complex(i === j ? 1 : 0)))).slice(0, modes.length);
     const seen = this.W.map((row) => sum(row.map((one, i) => modulus(one) / (i < n ? unit : 1))));
     this.condition = Math.max(...seen.map((one, k) => one * sizes[k])) / (2 * n);
-  }
-
-  // What is known of each mode, and of the conjugates.
-  whole(x) {
-    return [...x, ...this.swinging.map((k) => conjugate(x[k]))];
-  }
-
-  // The real number that amplitudes of the modes, seen so, come to.
-  real(seen, amplitudes) {
-    let total = 0;
-    for (let k = 0; k < seen.length; k++) {
-      total += this.counted[k] * (seen[k].re * amplitudes[k].re - seen[k].im * amplitudes[k].im);
-    }
-    return total;
   }
 
   // An eigenvalue and its vector by steps of Newton's: the rate is moved aside by a little, lest it be exact, and put
@@ -76,55 +53,149 @@ class Dynamics {
     const off = plus(product(plus(product(m, rate), c), rate), k);
     return { rate: minus(rate, quotient(off, plus(scaled(product(m, rate), 2), c))), shape };
   }
-
-  // Amplitudes of the modes in a real vector; where they cancel by symmetry, none.
-  amplitudes(x) {
-    return this.W.map((row) => {
-      const terms = row.map((one, i) => scaled(one, x[i])), total = terms.reduce(plus);
-      return modulus(total) > ROUNDING * sum(terms.map(modulus)) ? total : complex(0);
-    });
-  }
 }
 
 const divided = (A, by) => A.map((row) => row.map((one) => one / by));
 
-// What one process u of a spectrum stirs up, which moves modes by entries[j] at the j-th of at most two axles: felt[j],
-// E[x u(t - tau_j)] by modes, half of it where an axle meets itself. Of h' = sum integrating[j] u(t - tau_j), which adds
-// up to nothing over the axles, E[x h] by modes and E[h^2].
+// What one process u of a spectrum stirs up, which moves modes by entries[j] at the j-th axle, taus[j] after the first.
 //
-// With R = (alpha I - A)^-1, d = e^(-alpha tau) and f what a fading colour forces over the delay, alpha R = I + R A and
-// alpha f = e^(A tau) b - d b - A f. High-passes, though white at high frequency, then need no white noise of their own,
-// with which they would cancel.
-function stirred({ rates }, entries, tau, { level, terms }, integrating) {
-  const behind = entries.length > 1;
-  const lefts = terms.map(({ alpha }) => (behind ? exponentialLess1(scaled(alpha, -tau)) : complex(-1)));
-  const found = rates.map((rate, mode) => {
-    const front = entries[0][mode], rear = behind ? entries[1][mode] : complex(0), over = scaled(rate, tau);
-    const free = behind ? product(exponential(over), front) : complex(0), both = plus(rear, free);
-    let first = scaled(front, 0.5 * level), second = scaled(minus(both, scaled(rear, 0.5)), level);
-    let drifting = scaled(minus(free, front), level);
-    for (let i = 0; i < terms.length; i++) {
-      const { alpha, low, high } = terms[i], gone = lefts[i], d = plus(gone, complex(1));
-      const slow = scaled(product(low, alpha), 0.5), fast = scaled(product(high, rate), 0.5);
-      const late = product(scaled(high, 0.5), d), gain = quotient(minus(slow, fast), minus(alpha, rate));
-      const one = product(gain, plus(front, product(d, rear)));
-      first = plus(first, minus(one, product(late, rear)));
-      if (!behind) continue;
-      const other = product(gain, both), f = scaled(product(meanExponential(over, scaled(alpha, -tau)), front), tau);
-      const pushed = product(plus(slow, fast), f);
-      second = plus(second, plus(other, plus(pushed, product(late, front))));
-      const step = product(scaled(product(low, gone), 0.5), plus(front, rear));
-      drifting = plus(drifting, plus(minus(other, one), plus(pushed, step)));
+// felt[j] is E[x u(t - tau_j)] by modes, of white noise half of it where an axle meets itself. Of the integrals h' =
+// sum integrating[j] u(t - tau_j), `cross` is E[x h] by modes and `own` E[h h]; unless the height z of the process is
+// `bounded`, they add up to nothing over the axles. With R = (alpha I - A)^-1, d = e^(-alpha tau) and f what a fading
+// colour forces over the delay, alpha R = I + R A and alpha f = e^(A tau) b - d b - A f. High-passes, though white at
+// high frequency, then need no white noise of their own, with which they would cancel.
+function stirred({ rates }, entries, taus, spectrum, integrating, bounded) {
+  const axles = [...entries.keys()], many = integrating[0].length, { level, terms } = spectrum;
+  const pairs = axles.flatMap((j) => axles.slice(0, j).map((i) => ({ i, j, tau: taus[j] - taus[i] })));
+  for (const pair of pairs) {
+    pair.gone = terms.map(({ alpha }) => exponentialLess1(scaled(alpha, -pair.tau)));
+    pair.late = complex(0);
+    pair.slow = complex(0);
+    terms.forEach(({ low, high }, at) => {
+      increase(pair.late, scaled(high, 0.5), plus(pair.gone[at], complex(1)));
+      increase(pair.slow, scaled(low, 0.5), pair.gone[at]);
+    });
+  }
+  const integrates = integrating.some((row) => row.some((rate) => rate !== 0));
+  const felt = axles.map(() => rates.map(() => complex(0)));
+  const cross = Array.from({ length: many }, () => rates.map(() => complex(0)));
+  rates.forEach((rate, mode) => {
+    const b = entries.map((entry) => entry[mode]);
+    if (b.every(({ re, im }) => re === 0 && im === 0)) return;
+    const { gain, apart } = met(rate, terms, pairs), heights = axles.map(() => complex(0));
+    // An axle that meets the process now.
+    axles.forEach((j) => {
+      increase(felt[j][mode], plus(gain, complex(0.5 * level)), b[j]);
+      if (bounded) increase(heights[j], apart, b[j]);
+    });
+    // By what the one ahead has met before, and by what the one behind will meet.
+    for (const { i, j, less, gains, pushed, late, aparts, forced } of pairs) {
+      const free = plus(less, complex(1));
+      increase(felt[j][mode], plus(product(plus(gain, complex(level)), free), plus(pushed, late)), b[i]);
+      increase(felt[i][mode], minus(plus(gain, gains), late), b[j]);
+      if (bounded) {
+        increase(heights[j], minus(product(apart, free), forced), b[i]);
+        increase(heights[i], plus(apart, aparts), b[j]);
+      } else if (integrates) {
+        increase(heights[j], plus(product(plus(gain, complex(level)), less), pushed), b[i]);
+        increase(heights[i], gains, b[j]);
+      }
     }
-    return { first, second, drifting };
+    if (!integrates) return;
+    if (!bounded) drifted(heights, b, pairs);
+    heights.forEach((height, j) => integrating[j].forEach((weight, k) => {
+      increase(cross[k][mode], bounded ? complex(weight) : quotient(complex(-weight), rate), height);
+    }));
   });
-  const felt = [found.map(({ first }) => first), found.map(({ second }) => second)].slice(0, entries.length);
-  if (!integrating.some((rate) => rate !== 0)) return { felt, cross: null, own: 0 };
-  const [ahead, back] = integrating;
-  const cross = found.map(({ drifting }, mode) => scaled(quotient(drifting, rates[mode]), -back));
-  const wandered = terms.reduce((total, { alpha, low, high }) => {
-    const kept = unforgotten(scaled(alpha, tau));
-    return total + product(low, kept).re + product(high, minus(complex(1), kept)).re;
-  }, level);
-  return { felt, cross, own: -ahead * back * tau * wandered };
+  return { felt, cross, own: integrates ? ofHeights(taus, spectrum, integrating, bounded) : null };
+}
+
+// How a mode answers to all terms at once, `gain`, and to their heights, `apart`; the same as each fades over a pair of
+// axles less that, `gains` and `aparts`, what is forced meanwhile, `pushed` and `forced`, and e^(rate tau) - 1, `less`.
+function met(rate, terms, pairs) {
+  const gain = complex(0), apart = complex(0);
+  for (const pair of pairs) {
+    const over = scaled(rate, pair.tau), less = exponentialLess1(over);
+    Object.assign(pair, { over, less, gains: complex(0), aparts: complex(0), pushed: complex(0), forced: complex(0) });
+  }
+  terms.forEach(({ alpha, low, high }, at) => {
+    const away = minus(alpha, rate), slow = scaled(product(low, alpha), 0.5), fast = scaled(product(high, rate), 0.5);
+    const weight = scaled(minus(high, low), 0.5), one = quotient(minus(slow, fast), away), part = quotient(weight, away);
+    gain.re += one.re;
+    gain.im += one.im;
+    apart.re += part.re;
+    apart.im += part.im;
+    const push = plus(slow, fast);
+    for (const pair of pairs) {
+      const { tau, over, less, gone } = pair;
+      // (e^over - e^(-alpha tau)) / (over + alpha tau), where these are apart.
+      const sum = plus(rate, alpha), size = power(sum) * tau * tau;
+      const mean = size > 0.25 ? quotient(minus(less, gone[at]), sum)
+        : scaled(meanExponential(over, scaled(alpha, -tau)), tau);
+      increase(pair.gains, one, gone[at]);
+      increase(pair.aparts, part, gone[at]);
+      increase(pair.pushed, push, mean);
+      increase(pair.forced, weight, mean);
+    }
+  });
+  return { gain, apart };
+}
+
+// Heights of later axles less that of the first, of heights that drift: less what the first has met, and what is left of
+// slow terms.
+function drifted(heights, b, pairs) {
+  const first = heights[0], left = (i, j) => pairs.find((pair) => pair.i === Math.min(i, j) && pair.j === Math.max(i, j));
+  heights.forEach((height, j) => {
+    if (!j) return;
+    heights[j] = minus(height, first);
+    b.forEach((entry, i) => {
+      const before = i ? left(0, i).slow : complex(0), between = i === j ? complex(0) : left(i, j).slow;
+      increase(heights[j], plus(before, scaled(between, Math.sign(j - i))), entry);
+    });
+  });
+  heights[0] = complex(0);
+}
+
+// E[h h] of `stirred`.
+function ofHeights(taus, { level, terms }, integrating, bounded) {
+  const own = zeros(integrating[0].length, integrating[0].length);
+  taus.forEach((first, i) => taus.forEach((last, j) => {
+    const tau = Math.abs(last - first);
+    let shared = 0;
+    if (bounded) {
+      for (const { alpha, low, high } of terms) {
+        shared += quotient(product(scaled(minus(high, low), 0.5), exponential(scaled(alpha, -tau))), alpha).re;
+      }
+    } else if (i !== j) {
+      const wandered = terms.reduce((total, { alpha, low, high }) => {
+        const kept = unforgotten(scaled(alpha, tau));
+        return total + product(low, kept).re + product(high, minus(complex(1), kept)).re;
+      }, level);
+      shared = -0.5 * tau * wandered;
+    }
+    integrating[i].forEach((one, k) => integrating[j].forEach((other, l) => (own[k][l] += shared * one * other)));
+  }));
+  return own;
+}
+
+// What an output that sees `seen` of the modes and `on` of the integrals gains by feeds[j] u(t - tau_j) passed straight
+// on, where u has a finite variance.
+function passedOn(dynamics, feeds, seen, on, { felt }, taus, { terms }, integrating, bounded) {
+  let total = 0;
+  feeds.forEach((feed, j) => {
+    let beside = dynamics.real(seen, felt[j]);
+    feeds.forEach((other, i) => {
+      let velocities = 0, height = 0;
+      terms.forEach(({ alpha, low, high }) => {
+        const half = scaled(minus(low, high), 0.5), gone = exponentialLess1(scaled(alpha, -Math.abs(taus[j] - taus[i])));
+        const left = plus(gone, complex(1));
+        velocities += product(product(half, alpha), left).re;
+        height += product(half, bounded ? left : gone).re * Math.sign(i - j);
+      });
+      total += feed * other * velocities;
+      beside += dot(on, integrating[i]) * height;
+    });
+    total += 2 * feed * beside;
+  });
+  return total;
 }

@@ -58,7 +58,7 @@ function damper(cs, { rebound, compression, knee, beyond }) {
 // The car of numbers that stands for one of curves on a road, and how far its dampers pump it.
 class StraightCar extends Car {
   constructor(curved, rates) {
-    super(curved.kind, { ...curved.parameters, ...Object.fromEntries(curved.dampers.map((name, i) => [name, rates[i]])) });
+    super(curved.model, { ...curved.parameters, ...Object.fromEntries(curved.dampers.map((name, i) => [name, rates[i]])) });
   }
 
   metrics(road) {
@@ -75,9 +75,10 @@ class StraightCar extends Car {
 }
 
 // A car whose dampers all have the curve of a state.
-class CurvedCar {
-  constructor(kind, parameters, curve) {
-    Object.assign(this, MODELS[kind], { kind, parameters, settled: [] });
+class CurvedCar extends Ride {
+  constructor(model, parameters, curve) {
+    super(model, parameters);
+    this.settled = [];
     this.measured = [...this.measured, ...this.shifts];
     this.dampers = this.corners.map((corner) => (corner ? `cs_${corner}` : "cs"));
     this.laws = this.dampers.map((name) => damper(parameters[name], curve));
@@ -86,6 +87,10 @@ class CurvedCar {
 
   metrics(road) {
     return this.at(road).metrics(road);
+  }
+
+  over(asked) {
+    return bumpOfCurves(this, asked);
   }
 
   // The powers of the dampers on a road, of the car that the logarithms of such powers make.
@@ -256,7 +261,7 @@ class Stepper {
 
 // Where everything is while a car of curves drives over a bump.
 function bumpOfCurves(curved, asked) {
-  const steepest = new StraightCar(curved, curved.laws.map(({ slopes }) => Math.max(...slopes))), way = wayOver(steepest, asked);
+  const steepest = new StraightCar(curved, curved.laws.map(({ slopes }) => Math.max(...slopes))), way = wayOver(curved, asked);
   const swinging = steepest.dynamics.rates.filter((rate) => Math.abs(rate.im) > CURVE.swinging * modulus(rate));
   const parts = Math.ceil((way.step * Math.max(...swinging.map(modulus))) / CURVE.resolved);
   const stepper = new Stepper(curved, way.step / parts), none = curved.corners.map(() => 0);

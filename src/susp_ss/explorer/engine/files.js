@@ -9,13 +9,14 @@ function repr(x) {
 }
 
 // A text whose gaps are filled by their names.
-const filled = (text, of) => text.replace(/\{\{([^{}]+)\}\}/g, (_, name) => of(name));
+const completed = (text, of) => text.replace(/\{\{([^{}]+)\}\}/g, (_, name) => of(name));
 
 // What a state says of each field of its car: one value, or one for each wheel where axles were set apart.
 function fieldsOf(car, { curve }) {
   const several = new Set(car.axles).size > 1, { parameters } = car;
   return Object.fromEntries(Object.entries(car.files.call.fields).map(([name, { own, wheels, apart, ...more }]) => {
-    const rates = wheels ? wheels.map((wheel) => parameters[`${name}_${wheel}`]) : [parameters[name]];
+    const names = wheels ? wheels.map((wheel) => `${name}_${wheel}`) : [name];
+    const rates = names.map((one, i) => parameters[one] ?? own[i]);
     const bent = curve && name === "cs", differ = bent ? (one) => one !== rates[0] : (one, i) => one !== own[i];
     const values = bent ? rates.map((rate) => tabled(damper(rate, curve), curve)) : rates;
     return [name, { ...more, wheels: apart || (several && wheels && rates.some(differ)) ? wheels : null, values }];
@@ -37,7 +38,7 @@ function toml(value) {
 function vehicleFile(car, state) {
   const fields = fieldsOf(car, state), { entry } = CURVE;
   const curve = (of) => Object.fromEntries(Object.keys(entry).map((key) => [key, { ...entry[key], value: of[key] }]));
-  return filled(car.files.toml, (name) => {
+  return completed(car.files.toml, (name) => {
     const { wheels, values, unit } = fields[name], parts = values.map((one) => (one.force ? curve(one) : one));
     if (wheels) return toml({ ...Object.fromEntries(wheels.map((wheel, i) => [wheel, parts[i]])), unit });
     return toml(values[0].force ? parts[0] : { value: parts[0], unit });
@@ -84,7 +85,7 @@ function pythonLines(car, state, query) {
   const { height, length, speed } = state.bump;
   const gaps = { query, vehicle: vehicleCode(car, state), road: roadCode(state.road) };
   Object.assign(gaps, { height: repr(height), length: repr(length), speed: repr(speed) });
-  const text = filled(FILES.lines[state.curve ? "curved" : "straight"], (name) => gaps[name]);
+  const text = completed(FILES.lines[state.curve ? "curved" : "straight"], (name) => gaps[name]);
   return query ? text : text.replace("?\n", "\n");
 }
 
@@ -105,6 +106,7 @@ const WRITERS = { csv: metricsTable, toml: vehicleFile, fmu: functionalMockUp, p
 // A file of a state, whose page has a query in its address; or a message why there is none.
 function file(kind, state, query) {
   const car = carOf(state), needed = kind === "csv" || (kind === "fmu" && state.curve);
-  const message = needed ? refused(car, roadOf(state)) : "", { name, type } = FILES[kind];
+  const lacking = kind === "fmu" && !car.files.fmu ? WORDS.fmu : "";
+  const message = lacking || (needed ? refused(car, roadOf(state)) : ""), { name, type } = FILES[kind];
   return message ? { message } : { name, content: new Blob([WRITERS[kind](car, state, query)], { type }) };
 }

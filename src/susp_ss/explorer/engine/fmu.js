@@ -1,29 +1,5 @@
 // A car as a functional mock-up unit, as susp_ss.exchange writes it, but without a binary.
 
-// Two matrices, the rows of one after those of the other.
-const beside = (one, other) => one.map((row, i) => Float64Array.of(...row, ...other[i]));
-
-// x' = A x + B z_r, y = Y x + D z_r + D1 z_r' over x = (q, q' - M^-1 C_in z_r), of susp_ss.vehicles.second_order.
-function displacementForm({ m, K, C, K_in, C_in, R, N, elongation, rate, acceleration, on_road_velocity: D1 }) {
-  const n = m.length, over = (M) => M.map((row, i) => Float64Array.from(row, (one) => one / m[i]));
-  const both = (one, other, factor = 1) => one.map((row, i) => {
-    const total = Float64Array.from(row);
-    add(total, other[i], factor);
-    return total;
-  });
-  const [k, c, Bz] = [K, C, C_in].map(over), unit = k.map((_, i) => Float64Array.from(k, (_, j) => Number(i === j)));
-  const negative = (M) => M.map((row) => row.map((one) => -one));
-  const onPosition = both(multiply(elongation, R), multiply(acceleration, k), -1);
-  const onVelocity = both(multiply(rate, R), multiply(acceleration, c), -1);
-  return {
-    A: [...beside(zeros(n, n), unit), ...beside(negative(k), negative(c))],
-    B: [...Bz, ...both(over(K_in), multiply(c, Bz), -1)],
-    Y: beside(onPosition, onVelocity),
-    D: both(both(multiply(elongation, N), multiply(acceleration, over(K_in))), multiply(onVelocity, Bz)),
-    D1,
-  };
-}
-
 // The system that other programs take, as susp_ss.exchange.realised has it: on heights of the road, or on their rates
 // where an output passes them straight on.
 function realised(car) {
@@ -35,7 +11,7 @@ function realised(car) {
   const none = integrators.map(() => 0);
   const wide = [...A.map((row) => [...row, ...none]), ...integrators.map(() => new Array(2 * n + none.length).fill(0))];
   const moved = [...car.G.map((row) => row.map((one) => -one)), ...B.slice(0, n), ...integrators];
-  const seen = Y.map((row, i) => [...row, ...none.map(() => car.on_warp[i])]);
+  const seen = Y.map((row, i) => [...row, ...car.on_integrators[i]]);
   return { rates: 1, A: wide, B: moved, C: seen, D: D1, REST: moved.map((row) => row.map(() => 0)) };
 }
 
@@ -58,6 +34,6 @@ function functionalMockUp(car, state) {
   [...D.map((row, i) => [...row, ...C[i]]), ...B.map((row, i) => [...row, ...A[i]])]
     .forEach((row, i) => (gaps[`row ${i}`] = depends(row)));
   const texts = (guid) => Object.fromEntries(Object.entries(own.files.fmu[rates])
-    .map(([path, text]) => [path, filled(text, (name) => (name === "guid" ? guid : gaps[name]))]));
+    .map(([path, text]) => [path, completed(text, (name) => (name === "guid" ? guid : gaps[name]))]));
   return zipped({ ...texts(identity(Object.values(texts("")).join(""))), ...FILES.source });
 }

@@ -39,7 +39,7 @@ const gainsOf = ({ dynamics, seen }, row, moved) => dynamics.whole(seen[row].map
 function response(car, row, wheel, frequencies) {
   const { dynamics } = car, rates = dynamics.whole(dynamics.rates);
   const gains = gainsOf(car, row, dynamics.amplitudes(car.entering[wheel]));
-  const warp = car.on_warp[row] * sum(car.integrators.map((one) => one[wheel]));
+  const warp = dot(car.on_integrators[row], car.integrators.map((one) => one[wheel]));
   return frequencies.map((f) => {
     const s = complex(0, 2 * Math.PI * f), through = complex(car.on_road_velocity[row][wheel]);
     return plus(product(plus(resonances(rates, gains, s), through), s), complex(warp));
@@ -50,18 +50,19 @@ function response(car, row, wheel, frequencies) {
 function spectrum(car, row, road, frequencies) {
   const total = frequencies.map(() => 0), rates = car.dynamics.whole(car.dynamics.rates);
   for (const process of car.processes[road.tracks]) {
+    const integrated = car.integrated(process), on = car.on_integrators[row], drift = dot(on, integrated.drift);
     const axles = car.entries(process).map((entry, j) => ({
       gains: gainsOf(car, row, entry),
       through: dot(car.on_road_velocity[row], process.weights[j]),
-      warp: car.on_warp[row] * process.rates[j],
-      tau: (j * car.wheelbase) / road.speed,
+      warp: dot(on, integrated.rates[j]),
+      tau: car.behind[j] / road.speed,
     }));
     frequencies.forEach((f, i) => {
       const s = complex(0, 2 * Math.PI * f);
       const whole = axles.reduce((sum, { gains, through, warp, tau }) => {
         const turn = exponentialLess1(scaled(s, -tau)), alone = plus(resonances(rates, gains, s), complex(through));
         return plus(sum, plus(product(plus(turn, complex(1)), alone), quotient(scaled(turn, warp), s)));
-      }, complex(0));
+      }, quotient(complex(drift), s));
       total[i] += shareOf(process, road, f / road.speed, car.track_width) * verticalVelocity(road, f) * power(whole);
     });
   }
@@ -77,17 +78,13 @@ function unwrapped(angles) {
   });
 }
 
-// Natural motions, slowest first, each named after the coordinate whose kinetic energy is most its own.
+// Natural motions, slowest first, each named after the motion that most of its energy is in, none of these twice.
 function modes(car) {
-  const { n, rates } = car.dynamics, mass = car.m;
-  const found = rates.map((rate, k) => ({ rate, shape: car.shapes[k] }))
-    .sort((one, other) => modulus(one.rate) - modulus(other.rate));
-  const shares = found.map(({ shape }) => {
-    const energies = shape.map((one, i) => power(one) * mass[i]), all = sum(energies);
-    return energies.map((one) => one / all);
-  });
-  const own = assigned(shares, n);
-  return found.map(({ rate, shape }, i) => {
+  const found = car.motions().sort((one, other) => modulus(one.rate) - modulus(other.rate));
+  const own = assigned(found.map(({ shares }) => shares.map((share, j) => share + car.preferred(j))));
+  return found.flatMap(({ rate, shape, shares }, i) => {
+    const name = car.slots[own[i] ?? shares.indexOf(Math.max(...shares))];
+    if (!car.coordinates.some(({ motion }) => motion === name)) return [];
     const most = shape.reduce((one, other) => (modulus(other) > modulus(one) ? other : one));
     const drawn = { wheels: {}, seats: {} };
     car.coordinates.forEach(({ at: [first, place] }, j) => {
@@ -95,31 +92,48 @@ function modes(car) {
       if (place === undefined) drawn[first] = [re, im];
       else drawn[first][place] = [re, im];
     });
-    const at = own[i] ?? shares[i].indexOf(Math.max(...shares[i]));
-    const size = modulus(rate), name = car.coordinates[at].motion;
-    return { name, frequency: size / (2 * Math.PI), damping: -rate.re / size, shape: drawn };
+    const size = modulus(rate);
+    return [{ name, frequency: size / (2 * Math.PI), damping: -rate.re / size, shape: drawn }];
   });
 }
 
-// The columns that rows take so that their entries add up to the most, no column twice; undefined for rows without one.
-function assigned(rows, columns) {
-  let best = [{ total: 0, taken: [] }]; // By the set of columns that are taken, as bits.
-  for (const row of rows) {
-    const next = [];
-    const offer = (set, total, taken) => {
-      if (!(next[set]?.total >= total)) next[set] = { total, taken };
-    };
-    best.forEach(({ total, taken }, set) => {
-      offer(set, total, [...taken, undefined]);
-      for (let j = 0; j < columns; j++) if (!(set & (1 << j))) offer(set | (1 << j), total + row[j], [...taken, j]);
-    });
-    best = next;
-  }
-  return best.reduce((one, other) => (other.total > one.total ? other : one)).taken;
+// The columns that rows take so that their entries, none below zero by much, add up to the most, no column twice;
+// undefined for rows without one. By augmenting paths that are shortest in prices (Kuhn and Munkres).
+function assigned(rows) {
+  const columns = rows[0].length, all = Math.max(columns, rows.length);
+  const cost = (i, j) => (j < columns ? -rows[i][j] : 0);
+  const prices = new Float64Array(all + 1), gains = new Float64Array(rows.length), taken = Array(all + 1).fill(-1);
+  rows.forEach((_, row) => {
+    const least = Array(all).fill(Infinity), from = Array(all).fill(all), seen = Array(all + 1).fill(false);
+    let at = all;
+    taken[all] = row;
+    while (taken[at] >= 0) {
+      seen[at] = true;
+      const i = taken[at];
+      let next = all, step = Infinity;
+      for (let j = 0; j < all; j++) {
+        if (seen[j]) continue;
+        const reduced = cost(i, j) - gains[i] - prices[j];
+        if (reduced < least[j]) [least[j], from[j]] = [reduced, at];
+        if (least[j] < step) [step, next] = [least[j], j];
+      }
+      for (let j = 0; j <= all; j++) {
+        if (seen[j]) {
+          gains[taken[j]] += step;
+          prices[j] -= step;
+        } else if (j < all) least[j] -= step;
+      }
+      at = next;
+    }
+    for (; at !== all; at = from[at]) taken[at] = taken[from[at]];
+  });
+  const found = Array(rows.length);
+  for (let j = 0; j < columns; j++) if (taken[j] >= 0) found[taken[j]] = j;
+  return found;
 }
 
 // The way of a car over a haversine bump on both tracks, heights linear between its points: steps, and which are shown.
-function wayOver({ axles, wheelbase }, { height, length, speed }) {
+function wayOver({ axles, behind }, { height, length, speed }) {
   const pieces = Math.ceil(length / BUMP.spacing - 1e-9);
   const point = (k) => 0.5 * height * (1 - Math.cos((2 * Math.PI * k) / pieces));
   const ground = (x) => {
@@ -127,9 +141,9 @@ function wayOver({ axles, wheelbase }, { height, length, speed }) {
     return point(k) + (at - k) * (point(k + 1) - point(k));
   };
   const step = Math.min(BUMP.step, length / speed / BUMP.over);
-  const way = (BUMP.before + BUMP.after) * speed + length + wheelbase;
+  const way = (BUMP.before + BUMP.after) * speed + length + behind.at(-1);
   const steps = Math.floor(way / (speed * step) + 1e-6);
-  const heights = (i) => axles.map((axle) => ground((i * step - BUMP.before) * speed - axle * wheelbase));
+  const heights = (i) => axles.map((axle) => ground((i * step - BUMP.before) * speed - behind[axle]));
   return { speed, step, steps, every: Math.max(1, Math.floor((steps + 1) / BUMP.shown)), heights };
 }
 
@@ -154,7 +168,7 @@ function recorded(car, { speed, step, steps, every, heights }, drive) {
 
 // Where everything is while the car drives over a bump.
 function bump(car, asked) {
-  const way = wayOver(car, asked), { dynamics } = car, { rates } = dynamics, felt = car.measured[0].row;
+  const way = wayOver(car, asked), { dynamics, positions } = car, { rates } = dynamics, felt = car.measured[0].row;
   const into = car.entering.map((one) => dynamics.amplitudes(one));
   const free = rates.map((rate) => exponential(scaled(rate, way.step)));
   const driven = rates.map((rate, k) => {
@@ -163,9 +177,9 @@ function bump(car, asked) {
   });
   let amplitudes = rates.map(() => complex(0));
   return recorded(car, way, {
-    place: (row, z) => dynamics.real(car.placed[row].seen, amplitudes) + dot(car.places[row], times(car.G, z)),
+    place: (row, z) => dynamics.real(positions[row].seen, amplitudes) + dot(positions[row].carried, z),
     acceleration: (z) =>
-      dynamics.real(car.seen[felt], amplitudes) + car.on_warp[felt] * sum(car.integrators.map((one) => dot(one, z))),
+      dynamics.real(car.seen[felt], amplitudes) + dot(car.on_integrators[felt], times(car.integrators, z)),
     on(_, rise) {
       amplitudes = amplitudes.map((one, k) => {
         const moved = product(free[k], one);

@@ -59,60 +59,67 @@ const paired = ({ level, terms }) => ({
 const deviation = (variance) => Math.sqrt(Math.max(variance, 0));
 
 // A car of numbers, ready for any road: a kind of `MODELS`, with parameters at every wheel.
-class Car {
+//
+// Its `dynamics` are moved by the rates of the heights under the wheels as `entering` says, vectors by wheel; of the
+// modes every output sees `seen`, of those rates themselves `on_road_velocity`, and `on_integrators` of the `integrators`
+// of these.
+class Ride {
   constructor(model, parameters) {
-    Object.assign(this, MODELS[model], MODELS[model].assemble(parameters), { parameters });
-    const root = Float64Array.from(this.m, Math.sqrt);
-    const normalised = (A) => A.map((row, i) => Float64Array.from(row, (one, j) => one / (root[i] * root[j])));
-    this.dynamics = Dynamics.of(normalised(this.K), normalised(this.C));
-    const { rates, shapes } = this.dynamics;
-    this.shapes = shapes.map((shape) => shape.map((one, i) => scaled(one, 1 / root[i])));
-    // By the rates of the heights under the wheels, into positions relative to the road and velocities.
-    this.G = transpose(transpose(this.K_in).map(inverted(this.K)));
-    const entering = [
-      ...this.G.map((row, i) => row.map((one) => -one * root[i])),
-      ...this.C_in.map((row, i) => row.map((one) => one / root[i])),
-    ];
-    this.entering = this.corners.map((_, wheel) => entering.map((row) => row[wheel]));
-    // What every output sees of each mode: elongation R p + rate R p' + acceleration p''.
-    const of = (row, x) => row.reduce((total, one, i) => (one ? plus(total, scaled(x[i], one)) : total), complex(0));
-    this.placed = this.placed.map(({ at }, i) => ({ at, seen: this.shapes.map((shape) => of(this.places[i], shape)) }));
-    const stretched = this.shapes.map((shape) => this.R.map((row) => of(row, shape)));
-    this.seen = this.elongation.map((elongation, i) => rates.map((rate, k) => {
-      const moving = plus(of(this.rate[i], stretched[k]), product(rate, of(this.acceleration[i], this.shapes[k])));
-      return plus(of(elongation, stretched[k]), product(rate, moving));
-    }));
-    this.on_warp = this.elongation.map(() => 0);
-    for (const warp of this.integrators) {
-      const standing = times(multiply(this.R, this.G), warp);
-      add(standing, times(this.N, warp), 1);
-      this.on_warp = times(this.elongation, standing).map((one) => one / dot(warp, warp));
-    }
+    Object.assign(this, MODELS[model], MODELS[model].assemble(parameters), { model, parameters });
   }
 
-  // The car of numbers on a road, which this is on any.
+  // Why there is nothing to be said of it at all, or nothing on any road.
+  impossible() {
+    return "";
+  }
+
+  unstable() {
+    return "";
+  }
+
+  // What has no finite variance where some of the integrators drift.
+  drifting() {
+    return WORDS.drifting;
+  }
+
+  // The car of numbers that it is on a road.
   at() {
     return this;
+  }
+
+  over(asked) {
+    return bump(this.at(asked), asked);
   }
 
   // How a process moves the modes by each of its axles.
   entries({ weights }) {
     return weights.map((row) => {
-      const total = new Float64Array(2 * this.m.length);
+      const total = new Float64Array(this.entering[0].length);
       row.forEach((weight, wheel) => add(total, this.entering[wheel], weight));
       return this.dynamics.amplitudes(total);
     });
   }
 
+  // Rates of the integrators under a process by each axle, and what is left of them after all axles; no rounding.
+  integrated({ weights }) {
+    const rates = weights.map((row) => this.integrators.map((one) => dot(one, row)));
+    const sizes = this.integrators.map((one) => sum(one.map((rate, wheel) =>
+      Math.abs(rate) * sum(weights.map((row) => Math.abs(row[wheel]))))));
+    const cleaned = (row) => row.map((rate, k) => (Math.abs(rate) > DRIFT * sizes[k] ? rate : 0));
+    return { rates: rates.map(cleaned), drift: cleaned(sizes.map((_, k) => sum(rates.map((row) => row[k])))) };
+  }
+
   // Variance of every output on a road, behind a filter if there is one.
   variances(road, filter = null) {
     const { dynamics } = this, { rates, counted } = dynamics, all = dynamics.whole(rates), n = all.length;
-    const [re, im] = [0, 1].map(() => new Float64Array(rates.length * n)), cross = rates.map(() => complex(0));
-    let warped = 0;
+    const [re, im] = [0, 1].map(() => new Float64Array(rates.length * n)), many = this.integrators.length;
+    const cross = this.integrators.map(() => rates.map(() => complex(0))), own = zeros(many, many);
+    const taus = this.behind.map((distance) => distance / road.speed), through = new Float64Array(this.seen.length);
     for (const process of this.processes[road.tracks]) {
-      const surface = spectrumOf(process, road, this.track_width);
-      const spectrum = filter ? paired(multiplied(surface, filter)) : surface, entries = this.entries(process);
-      const one = stirred(dynamics, entries, this.wheelbase / road.speed, spectrum, process.rates);
+      const surface = spectrumOf(process, road, this.track_width), entries = this.entries(process);
+      const spectrum = filter ? paired(multiplied(surface, filter)) : surface, integrated = this.integrated(process);
+      const bounded = integrated.drift.some((rate) => rate !== 0);
+      const one = stirred(dynamics, entries, taus, spectrum, integrated.rates, bounded);
       entries.forEach((entry, j) => {
         const [b, u] = [entry, one.felt[j]].map((x) => dynamics.whole(x));
         for (let k = 0, at = 0; k < rates.length; k++) {
@@ -122,8 +129,18 @@ class Car {
           }
         }
       });
-      one.cross?.forEach((value, k) => (cross[k] = plus(cross[k], value)));
-      warped += one.own;
+      if (one.own) {
+        cross.forEach((row, k) => row.forEach((value, mode) => (row[mode] = plus(value, one.cross[k][mode]))));
+        own.forEach((row, k) => add(row, one.own[k], 1));
+      }
+      this.on_road_velocity.forEach((passing, i) => {
+        const feeds = process.weights.map((row) => dot(passing, row));
+        if (feeds.every((feed) => feed === 0)) return;
+        // White velocity has no finite variance.
+        through[i] += filter
+          ? passedOn(dynamics, feeds, this.seen[i], this.on_integrators[i], one, taus, spectrum, integrated.rates, bounded)
+          : Infinity;
+      });
     }
     // Covariances of the modes: the right-hand side of Lyapunov's equation over the sum of two rates.
     for (let k = 0, at = 0; k < rates.length; k++) {
@@ -133,13 +150,15 @@ class Car {
       }
     }
     return this.seen.map((seen, i) => {
-      // A damper that passes the road's white velocity straight on.
-      if (!filter && this.on_road_velocity[i].some((one) => one !== 0)) return Infinity;
-      const other = dynamics.whole(seen), warp = this.on_warp[i];
-      let total = 2 * warp * dynamics.real(seen, cross) + warp * warp * warped;
-      for (let k = 0, at = 0; k < rates.length; k++) {
+      const other = dynamics.whole(seen), on = this.on_integrators[i];
+      let total = through[i];
+      on.forEach((one, k) => {
+        total += one * (2 * dynamics.real(seen, cross[k]) + dot(own[k], on));
+      });
+      for (let k = 0; k < rates.length; k++) {
+        if (seen[k].re === 0 && seen[k].im === 0) continue;
         let x = 0, y = 0;
-        for (let l = 0; l < n; l++, at++) {
+        for (let l = 0, at = k * n; l < n; l++, at++) {
           x += re[at] * other[l].re - im[at] * other[l].im;
           y += re[at] * other[l].im + im[at] * other[l].re;
         }
@@ -156,6 +175,80 @@ class Car {
       damper === null ? deviation(variances[row]) : this.damping[damper] * variances[row],
     );
   }
+}
+
+// A real row times a complex vector.
+function applied(row, x) {
+  let re = 0, im = 0;
+  for (let i = 0; i < row.length; i++) {
+    if (row[i] === 0) continue;
+    re += row[i] * x[i].re;
+    im += row[i] * x[i].im;
+  }
+  return complex(re, im);
+}
+
+// A car that the speed does not change.
+class Car extends Ride {
+  constructor(model, parameters) {
+    super(model, parameters);
+    const root = Float64Array.from(this.m, Math.sqrt);
+    const normalised = (A) => A.map((row, i) => Float64Array.from(row, (one, j) => one / (root[i] * root[j])));
+    this.dynamics = Dynamics.of(normalised(this.K), normalised(this.C));
+    const { rates, shapes } = this.dynamics;
+    this.shapes = shapes.map((shape) => shape.map((one, i) => scaled(one, 1 / root[i])));
+    // By the rates of the heights under the wheels, into positions relative to the road and velocities.
+    const G = standing(this.K, this.K_in);
+    const entering = [
+      ...G.map((row, i) => row.map((one) => -one * root[i])),
+      ...this.C_in.map((row, i) => row.map((one) => one / root[i])),
+    ];
+    this.entering = transpose(entering);
+    this.G = G;
+    // What every output sees of each mode: elongation R p + rate R p' + acceleration p''.
+    const stretched = this.shapes.map((shape) => this.R.map((row) => applied(row, shape)));
+    this.seen = this.elongation.map((elongation, i) => rates.map((rate, k) => {
+      const accelerated = product(rate, applied(this.acceleration[i], this.shapes[k]));
+      const moving = plus(applied(this.rate[i], stretched[k]), accelerated);
+      return plus(applied(elongation, stretched[k]), product(rate, moving));
+    }));
+    const still = multiply(this.R, G);
+    still.forEach((row, i) => add(row, this.N[i], 1));
+    this.on_integrators = multiply(this.elongation, warped(still, this.integrators));
+    this.slots = this.coordinates.map(({ motion }) => motion);
+  }
+
+  // What is shown of where everything is: what it sees of the modes, and by how much the ground carries it.
+  get positions() {
+    return this.placed.map(({ at }, i) => ({
+      at,
+      seen: this.shapes.map((shape) => applied(this.places[i], shape)),
+      carried: multiply([this.places[i]], this.G)[0],
+    }));
+  }
+
+  // Every mode with its shape in the coordinates, and the shares of its kinetic energy that the `slots` have.
+  motions() {
+    return this.dynamics.rates.map((rate, k) => {
+      const shape = this.shapes[k], energies = shape.map((one, i) => power(one) * this.m[i]), all = sum(energies);
+      return { rate, shape, shares: energies.map((one) => one / all) };
+    });
+  }
+
+  // How much a slot counts that has a mode at all.
+  preferred() {
+    return 0;
+  }
+}
+
+// Static positions under unit heights.
+const standing = (K, K_in) => transpose(transpose(K_in).map(inverted(K)));
+
+// What `still` makes of the heights under the wheels, per metre of each of their `warps`.
+function warped(still, warps) {
+  if (!warps.length) return still.map(() => new Float64Array(0));
+  const solved = inverted(multiply(warps, transpose(warps)));
+  return multiply(still, transpose(warps)).map(solved);
 }
 
 // Weightings behind an output may as well stand on the road: their squares as spectra.
