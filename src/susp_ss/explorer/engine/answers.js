@@ -22,14 +22,14 @@ const finite = (value) => (Number.isFinite(value) ? value : null);
 function refused(car, road) {
   if (!(road.waviness in GAMMA)) return WORDS.waviness;
   const unstable = car.unstable();
-  if (unstable || road.cutoff) return unstable;
-  for (const process of car.processes[road.tracks]) {
+  if (unstable) return unstable;
+  for (const process of road.cutoff ? [] : car.processes[road.tracks]) {
     const { rates, drift } = car.integrated(process), near = process.sign < 0 && road.waviness < 3;
     const steep = road.waviness >= 3 && process.sign === 0;
     const which = drift.map((one, k) => (one !== 0 && !near) || (steep && rates.some((row) => row[k] !== 0)));
     if (which.some(Boolean)) return car.drifting(which);
   }
-  return "";
+  return car.at(road).unstable();
 }
 
 function overSpeed(car, road) {

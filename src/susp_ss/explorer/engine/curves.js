@@ -55,10 +55,19 @@ function damper(cs, { rebound, compression, knee, beyond }) {
   return new Broken([-knee, 0, knee], slopes);
 }
 
+// So many cars of other speeds tell how powers change, each of which counts less than so many times.
+const NEAR = 4, FAR = 10;
+
 // The car of numbers that stands for one of curves on a road, and how far its dampers pump it.
 class StraightCar extends Car {
   constructor(curved, rates) {
-    super(curved.model, { ...curved.parameters, ...Object.fromEntries(curved.dampers.map((name, i) => [name, rates[i]])) });
+    const dampers = Object.fromEntries(curved.dampers.map((name, i) => [name, rates[i]]));
+    super(curved.model, { ...curved.parameters, ...dampers });
+    this.settled = true;
+  }
+
+  unstable() {
+    return this.settled ? "" : WORDS.unsettled;
   }
 
   metrics(road) {
@@ -78,11 +87,13 @@ class StraightCar extends Car {
 class CurvedCar extends Ride {
   constructor(model, parameters, curve) {
     super(model, parameters);
-    this.settled = [];
     this.measured = [...this.measured, ...this.shifts];
     this.dampers = this.corners.map((corner) => (corner ? `cs_${corner}` : "cs"));
     this.laws = this.dampers.map((name) => damper(parameters[name], curve));
     this.first = this.laws.map((law) => law.means(CURVE.middling).slope);
+    // Cars of numbers by the speeds at which they stand for this one, and the inverse Jacobian at the last of these.
+    this.settled = [];
+    this.inverse = this.laws.map((_, i) => Float64Array.from(this.laws, (_, j) => -Number(i === j)));
   }
 
   metrics(road) {
@@ -93,49 +104,56 @@ class CurvedCar extends Ride {
     return bumpOfCurves(this, asked);
   }
 
-  // The powers of the dampers on a road, of the car that the logarithms of such powers make.
-  round(x, road) {
+  // The car of numbers that logarithms x of the dampers' powers make.
+  trial(x) {
     const means = this.laws.map((law, i) => law.means(law.deviation(Math.exp(x[i]))));
-    const car = new StraightCar(this, means.map(({ slope }) => slope)), variances = car.variances(road);
-    const powers = this.velocities.map((row, i) => Math.log(means[i].slope * Math.max(variances[row], CURVE.still)));
-    return { means, car, residual: powers.map((power, i) => power - x[i]) };
-  }
-
-  // Rounds by Broyden's updates, from what speeds nearby settled at.
-  at(road) {
-    const known = this.settled.find(({ speed }) => speed === road.speed);
-    if (known) return known.car;
-    const x = this.guess(road), n = x.length;
-    const inverse = this.inverse ? this.inverse.map((row) => Float64Array.from(row)) : zeros(n, n).map((row, i) => (row[i] = -1, row));
-    let step = null, last = null;
-    for (let round = 0; round < CURVE.rounds; round++) {
-      const { means, car, residual } = this.round(x, road);
-      if (step) update(inverse, step, residual.map((one, i) => one - last[i]));
-      if (Math.max(...residual.map(Math.abs)) <= CURVE.converged) {
-        this.inverse = inverse;
-        this.settled.push({ speed: road.speed, x, car: car.pumped(means) });
-        return car;
-      }
-      step = times(inverse, residual).map((one) => -one);
-      const most = Math.max(...step.map(Math.abs));
-      if (round && most > CURVE.longest) step = step.map((one) => (one * CURVE.longest) / most);
-      last = residual;
-      add(x, step, 1);
+    const car = new StraightCar(this, means.map(({ slope }) => slope)), watched = Object.create(car);
+    for (const name of ["seen", "on_road_velocity", "on_integrators"]) {
+      watched[name] = this.velocities.map((row) => car[name][row]);
     }
-    throw new Error(WORDS.unsettled);
+    return { x, means, car, watched };
   }
 
-  // Through the powers at the nearest speeds, a polynomial of the speed's logarithm.
-  guess({ speed }) {
-    const far = (one) => Math.abs(Math.log(one.speed / speed));
-    const near = [...this.settled].sort((one, other) => far(one) - far(other)).slice(0, 4);
-    if (!near.length) return Float64Array.from(this.first, (cs) => Math.log(cs * CURVE.middling ** 2));
-    const at = near.map((one) => Math.log(one.speed)), x = new Float64Array(this.first.length);
-    near.forEach((one, i) => {
-      const weight = at.reduce((total, other, j) => (i === j ? total : (total * (Math.log(speed) - other)) / (at[i] - other)), 1);
-      add(x, one.x, weight);
-    });
-    return x;
+  // By how much its powers on a road are other than these.
+  residual({ x, means, watched }, road) {
+    return Float64Array.from(watched.variances(road), (variance, i) =>
+      Math.log(means[i].slope * Math.max(variance, CURVE.still)) - x[i]);
+  }
+
+  // The car of numbers on a road, by Broyden's updates. What cars of other speeds do on this road costs no modes, and
+  // tells nearly how the powers change.
+  at(road) {
+    const far = ({ speed }) => Math.abs(Math.log(speed / road.speed));
+    const near = [...this.settled].sort((one, other) => far(other) - far(one)).slice(-NEAR);
+    if (near.length && far(near.at(-1)) === 0) return near.at(-1).car;
+    const inverse = this.inverse.map((row) => Float64Array.from(row));
+    const less = (x, y) => Float64Array.from(x, (one, i) => one - y[i]);
+    let here = null, rest = null;
+    const learn = (next) => {
+      const found = this.residual(next, road);
+      if (here) update(inverse, less(next.x, here.x), less(found, rest));
+      [here, rest] = [next, found];
+    };
+    const seen = near.map((one) => (learn(one), { x: one.x, rest, all: sum(rest) }));
+    const weights = seen.map((one, i) =>
+      seen.reduce((total, { all }, j) => (i === j ? total : (total * all) / (all - one.all)), 1));
+    if (!here) learn(this.trial(Float64Array.from(this.first, (cs) => Math.log(cs * CURVE.middling ** 2))));
+    else if (weights.every((one) => Math.abs(one) < FAR)) {
+      // Through these, to where all powers together are as they should be.
+      const mean = (of) => here.x.map((_, i) => dot(weights, seen.map((one) => one[of][i])));
+      learn(this.trial(less(mean("x"), times(inverse, mean("rest")))));
+    }
+    for (let round = 0; round < CURVE.rounds; round++) {
+      if (Math.max(...rest.map(Math.abs)) <= CURVE.converged) {
+        this.inverse = inverse;
+        this.settled.push({ speed: road.speed, ...here });
+        return here.car.pumped(here.means);
+      }
+      const step = times(inverse, rest), most = Math.max(...step.map(Math.abs));
+      const share = round || near.length ? Math.min(1, CURVE.longest / most) : 1;
+      learn(this.trial(here.x.map((one, i) => one - share * step[i])));
+    }
+    return Object.assign(here.car.pumped(here.means), { settled: false });
   }
 }
 
@@ -162,7 +180,8 @@ function series(A, power) {
 // e^(A h), and what inputs 1, t/h and (t/h)^2 through B have done after a step and after half of it, as
 // susp_ss.responses.first_order_hold has them: of a step that is small, then doubled.
 function held(A, B, h) {
-  const size = h * Math.max(...A.map((row) => sum(row.map(Math.abs)))), doublings = Math.max(1, Math.ceil(Math.log2(size)) + 2);
+  const size = h * Math.max(...A.map((row) => sum(row.map(Math.abs))));
+  const doublings = Math.max(1, Math.ceil(Math.log2(size)) + 2);
   const step = h / 2 ** doublings, small = combined([step, A]);
   const gains = [1, 2, 3].map((power) => combined([step * Math.max(1, power - 1), multiply(series(small, power), B)]));
   let half, whole = [series(small, 0), ...gains];
@@ -180,9 +199,10 @@ function held(A, B, h) {
 }
 
 // A matrix in one row of numbers, for thousands of products: to += M x, of numbers in one row as well.
-class Flat {
+class Packed {
   constructor(M) {
-    Object.assign(this, { rows: M.length, columns: M[0].length, numbers: Float64Array.from(M.flatMap((row) => [...row])) });
+    const numbers = Float64Array.from(M.flatMap((row) => [...row]));
+    Object.assign(this, { rows: M.length, columns: M[0].length, numbers });
   }
 
   add(to, x) {
@@ -200,33 +220,39 @@ class Flat {
   }
 }
 
-// Cox and Matthews' steps of h over heights z of the road that rise evenly, of a car of curves from rest on level ground.
+// Cox and Matthews' steps of h over heights of the road that rise evenly, of a car of curves from rest on level ground.
 class Stepper {
   constructor(curved, h) {
-    const car = new StraightCar(curved, curved.first), { A, B, Y, D } = displacementForm(car), n = car.m.length;
+    const car = new StraightCar(curved, curved.first), n = car.m.length, { A, B, Y, D } = displacementForm(car);
     const push = car.m.map((mass, i) => car.suspensions.map((row) => -car.R[row][i] / mass));
     const P = [...push.map((row) => row.map(() => 0)), ...push], wheels = B[0].length, felt = curved.measured[0].row;
-    const { whole, half } = held(A, beside(B, P), h), part = (M, from, to) => M.map((row) => row.slice(from, to));
+    const { whole, half } = held(A, beside(B, P), h);
+    const part = (M, from, to) => M.map((row) => row.slice(from, to)), again = (M) => multiply(half[0], M);
     const [ofRoad, halfOfRoad] = [whole, half].map((some) => some.slice(1).map((gain) => part(gain, 0, wheels)));
     const [hold, ramp, bend] = whole.slice(1).map((gain) => part(gain, wheels)), halfHold = part(half[1], wheels);
     const [E, under] = [Y, D].map((M) => curved.velocities.map((row) => M[row])), seen = (M) => multiply(E, M);
-    const [free, halfFree] = [whole[0], half[0]], [onHold, onRamp] = halfOfRoad, again = (M) => multiply(halfFree, M);
+    const [free, halfFree] = [whole[0], half[0]], [onHold, onRamp] = halfOfRoad;
     Object.assign(this, { curved, n, x: new Float64Array(2 * n + 2 * wheels), wheels });
     // By the state, the heights and their rise: velocities at the start, in the middle and at the end of a step, and the
     // state after it, but for what the curves push.
     const middle = [halfFree, onHold, combined([0.5, onRamp])];
-    const end = [again(halfFree), combined([1, again(onHold)], [1, onHold]), combined([0.5, again(onRamp)], [0.5, onHold], [0.5, onRamp])];
-    const by = (M, share) => [seen(M[0]), combined([1, seen(M[1])], [1, under]), combined([1, seen(M[2])], [share, under])];
-    const rows = ([x, z, rise]) => new Flat(beside(beside(x, z), rise));
+    const end = [
+      again(halfFree),
+      combined([1, again(onHold)], [1, onHold]),
+      combined([0.5, again(onRamp)], [0.5, onHold], [0.5, onRamp]),
+    ];
+    const by = ([ofState, ofHeights, ofRise], share) =>
+      [seen(ofState), combined([1, seen(ofHeights)], [1, under]), combined([1, seen(ofRise)], [share, under])];
+    const rows = ([x, z, rise]) => new Packed(beside(beside(x, z), rise));
     this.start = rows([E, under, combined([0, under])]);
     this.middle = rows(by(middle, 0.5));
     this.end = rows(by(end, 1));
     this.after = rows([free, ofRoad[0], ofRoad[1]]);
-    this.onNext = new Flat(seen(halfHold));
-    this.onEnd = new Flat(seen(again(halfHold)));
+    this.onNext = new Packed(seen(halfHold));
+    this.onEnd = new Packed(seen(again(halfHold)));
     const inside = combined([2, ramp], [-2, bend]);
     const [first, last] = [combined([1, hold], [-3, ramp], [2, bend]), combined([-1, ramp], [2, bend])];
-    [this.onStart, this.inside, this.onLast] = [first, inside, last].map((M) => new Flat(M));
+    [this.onStart, this.inside, this.onLast] = [first, inside, last].map((M) => new Packed(M));
     this.felt = [...Y[felt], ...D[felt], ...D[felt].map(() => 0)];
     this.feltPush = multiply([car.acceleration[felt]], push)[0];
     this.places = car.placed.map((_, row) => car.places[row]);
@@ -261,7 +287,8 @@ class Stepper {
 
 // Where everything is while a car of curves drives over a bump.
 function bumpOfCurves(curved, asked) {
-  const steepest = new StraightCar(curved, curved.laws.map(({ slopes }) => Math.max(...slopes))), way = wayOver(curved, asked);
+  const steepest = new StraightCar(curved, curved.laws.map(({ slopes }) => Math.max(...slopes)));
+  const way = wayOver(curved, asked);
   const swinging = steepest.dynamics.rates.filter((rate) => Math.abs(rate.im) > CURVE.swinging * modulus(rate));
   const parts = Math.ceil((way.step * Math.max(...swinging.map(modulus))) / CURVE.resolved);
   const stepper = new Stepper(curved, way.step / parts), none = curved.corners.map(() => 0);

@@ -31,8 +31,9 @@ function tabled(law, { knee }) {
 
 function toml(value) {
   if (Array.isArray(value)) return `[${value.map(toml).join(", ")}]`;
-  if (value instanceof Object) return `{ ${Object.entries(value).map(([key, part]) => `${key} = ${toml(part)}`).join(", ")} }`;
-  return typeof value === "string" ? `"${value}"` : repr(value);
+  if (typeof value === "string") return `"${value}"`;
+  if (typeof value === "number") return repr(value);
+  return `{ ${Object.entries(value).map(([key, part]) => `${key} = ${toml(part)}`).join(", ")} }`;
 }
 
 function vehicleFile(car, state) {
@@ -66,9 +67,10 @@ function vehicleCode(car, state) {
   const seated = Object.values(seats).flatMap((own) => Object.values(own));
   const own = Object.entries(fields).filter(([name, { wheels, values, told }]) =>
     !seated.includes(name) && (told || wheels || values[0] !== 0));
-  const code = call(kind, Object.fromEntries(own.map(([name, field]) => [name, fieldCode(field)])));
+  const made = (name, given) => call(name, Object.fromEntries(given.map(([key, field]) => [key, fieldCode(field)])));
+  const code = made(kind, own);
   const occupied = Object.entries(seats).map(([seat, of]) =>
-    `'${seat}': ${call("Seat", Object.fromEntries(Object.entries(of).map(([key, name]) => [key, fieldCode(fields[name])])))}`);
+    `'${seat}': ${made("Seat", Object.entries(of).map(([key, name]) => [key, fields[name]]))}`);
   return occupied.length ? `${code}.with_seats({${occupied.join(", ")}})` : code;
 }
 

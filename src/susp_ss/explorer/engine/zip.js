@@ -25,7 +25,8 @@ function zipped(texts) {
     const about = [[2, VERSION], [2, UTF8], [2, 0], [2, 0], [2, FIRST_DAY], [4, checksum(bytes)], size, size];
     const named = [[2, name.length], [2, 0]];
     parts.push(packed([4, 0x04034b50], ...about, ...named), name, bytes);
-    entries.push(packed([4, 0x02014b50], [2, VERSION], ...about, ...named, [2, 0], [2, 0], [2, 0], [4, 0], [4, at]), name);
+    const where = [[2, 0], [2, 0], [2, 0], [4, 0], [4, at]];
+    entries.push(packed([4, 0x02014b50], [2, VERSION], ...about, ...named, ...where), name);
   }
   const count = [2, entries.length / 2];
   const end = packed([4, 0x06054b50], [2, 0], [2, 0], count, count, [4, length(entries)], [4, length(parts)], [2, 0]);
