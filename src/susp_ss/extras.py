@@ -14,7 +14,7 @@ EXTRAS = {
     "fast": (("numba",), "compiled code where designs are very many"),
     "pages": (("plotly", "jinja2"), "report.html of a study and of a fit"),
     "excel": (("openpyxl",), "runs in Excel files"),
-    "explorer": (("dash",), "susp-ss explore: the engine live in a browser"),
+    "explorer": (("dash", "orjson"), "susp-ss explore: the engine live in a browser"),
     "fmu": (("fmpy",), "runs of FMUs"),
     "netcdf": (("netCDF4",), "runs and profiles in NetCDF 4 files"),
     "parquet": (("pyarrow",), "runs in Parquet files"),

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 
 import susp_ss as ss
 from explored import states
-from susp_ss.explorer.compute import SPEEDS, compute
+from susp_ss.explorer.compute import SPEEDS, compute, compute_all
 from susp_ss.explorer.state import MODELS, NOTHING, Given, from_query
 
 ROAD = ss.Road.iso8608("B", speed=20.0, tracks="isotropic")
@@ -161,6 +161,36 @@ def test_metrics_over_speed_are_those_at_each_speed(model):
         assert {row["name"]: row["values"][i] for row in over["metrics"]} == pytest.approx(own, rel=1e-9)
 
 
+ALIKE = {
+    "full": ["", "ks_front=15053&arb_rear=4000", "cs_rear=2016.5&mb=1500", "kt_front=250000&ct_front=80"],
+    "ride-handling": ["", "cornering_rear=60000", "izz=1400&cs_rear=2016.5"],
+    "quarter": ["", "seat_mass=70", "curve_rebound=1.4", "ks=22000"],
+}
+
+
+def numbers_of(found):
+    """Metrics, comfort and metrics over speed in a row; an infinite one is nan."""
+    some = [row["value"] for row in found["metrics"]] + [row["total"] for row in found["comfort"]]
+    return np.array([*some, *(value for row in found["speeds"]["metrics"] for value in row["values"])], dtype=float)
+
+
+@pytest.mark.parametrize("model", ALIKE)
+def test_states_together_are_each_alone(model):
+    asked = [from_query(f"model={model}&speed=25&{text}")[0] for text in ALIKE[model]]
+    for together, state in zip(compute_all(asked), asked, strict=True):
+        alone = compute(state)
+        assert together.keys() == alone.keys()
+        np.testing.assert_allclose(*map(numbers_of, (together, alone)), rtol=1e-9)
+
+
+def test_a_state_that_is_refused_takes_no_other_with_it():
+    loose, firm = (from_query(f"model=ride-handling&cornering_front={front}&speed=60")[0] for front in (90000, 45000))
+    refused, found = compute_all([loose, firm])
+    assert "unstable" in refused["errors"][0]["message"]
+    assert found["errors"] == []
+    assert found["metrics"] == compute(firm)["metrics"]
+
+
 @settings(max_examples=8)
 @given(states())
 def test_every_state_that_the_page_can_come_to_is_answered_in_json(state):
@@ -177,6 +207,16 @@ def test_what_is_next_to_nothing_is_nothing():
 def test_what_is_infinite_is_none():
     found = compute(from_query("model=quarter&ct=100")[0])
     assert {row["name"]: row["value"] for row in found["metrics"]}["dtl"] is None
+
+
+@pytest.mark.parametrize(
+    "car",
+    [ss.QuarterCar(ct=100.0), ss.LinearVehicle(ss.RigidTyreQuarterCar().state_space(input="velocity"))],
+    ids=["damped tyre", "rigid tyre"],
+)
+def test_what_is_infinite_is_felt_all_the_same(car):
+    felt = compute(Given(car).default(), Given(car))["comfort"][0]
+    assert felt["total"] == pytest.approx(ss.comfort(car, ROAD).metrics.total.item(), rel=1e-9)
 
 
 def test_a_car_that_spins_at_some_speed_has_metrics_at_its_own():

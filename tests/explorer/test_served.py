@@ -43,35 +43,53 @@ def client(app):
     return app.server.test_client()
 
 
-def asked(client, output, name, state):
-    """What the callback of a store says of a state."""
-    question = {
-        "output": f"{output}.data",
-        "outputs": {"id": output, "property": "data"},
-        "inputs": [{"id": name, "property": "data", "value": state}],
-        "changedPropIds": [f"{name}.data"],
-    }
-    answer = client.post("/_dash-update-component", json=question)
+def asked(client, state, pins=()):
+    """What the page is answered while its sliders move."""
+    answer = client.post("/answer", json={"state": state, "pins": list(pins)})
     assert answer.status_code == 200
-    return json.loads(answer.data)["response"][output]["data"]
+    return json.loads(answer.data)
 
 
 def test_the_page_gets_what_is_computed(client):
     state, _ = from_query("model=quarter&ks=20000")
-    assert asked(client, "results", "state", state) == compute(state)
+    assert asked(client, state) == {"found": compute(state), "pins": []}
+
+
+def test_of_designs_to_compare_with_the_page_gets_what_it_draws(client):
+    pins = [from_query(text)[0] for text in ("ks_front=30000", "model=quarter&seat_mass=60", "speed=40")]
+    answers = asked(client, NOTHING.default(), pins)["pins"]
+    for pin, found in zip(pins, answers, strict=True):
+        assert len(json.dumps(found)) < len(json.dumps(compute(pin)))
+        assert part(found, compute(pin))
+
+
+def part(found, whole):
+    """Whether everything of one answer is in another."""
+    if isinstance(found, dict):
+        return all(part(value, whole[key]) for key, value in found.items())
+    if isinstance(found, list):
+        return len(found) == len(whole) and all(map(part, found, whole))
+    return found == whole
+
+
+@pytest.mark.parametrize("question", [None, [], {"state": {}}, {"state": {}, "pins": {}}, {"pins": []}], ids=str)
+def test_what_is_no_question_is_refused_in_one_line(client, question):
+    answer = client.post("/answer", data=json.dumps(question), content_type="application/json")
+    assert answer.status_code == 400
+    assert answer.data.decode().startswith("question must be a mapping of a state and a list of pins, got")
 
 
 def test_a_state_that_is_wrong_is_answered_in_words(client):
-    found = asked(client, "results", "state", {"model": "quarter", "vehicle": {"ks": "__import__('os')"}})
+    found = asked(client, {"model": "quarter", "vehicle": {"ks": "__import__('os')"}})["found"]
     assert found["errors"][0]["message"].startswith("ks must be a number from")
     assert found["metrics"]
 
 
 def test_two_users_do_not_meet(client):
     soft, hard = ({**NOTHING.default("quarter"), "vehicle": {"ks": ks}} for ks in (12e3, 40e3))
-    first = asked(client, "results", "state", soft)
-    assert asked(client, "results", "state", hard) != first
-    assert asked(client, "results", "state", soft) == first
+    first = asked(client, soft)
+    assert asked(client, hard) != first
+    assert asked(client, soft) == first
 
 
 @pytest.mark.parametrize("host", ["localhost", "localhost:8050", "127.0.0.1:8050", "[::1]:8050"])
@@ -104,7 +122,8 @@ def test_another_name_is_refused_whatever_is_asked(client, path, host):
 def test_a_page_of_another_origin_is_refused(client, foreign):
     for path in PATHS[1:]:
         assert client.get(path, headers=foreign).status_code == 403
-    assert client.post("/_dash-update-component", json={}, headers=foreign).status_code == 403
+    for path in ("/answer", "/background", "/_dash-update-component"):
+        assert client.post(path, json={}, headers=foreign).status_code == 403
 
 
 def test_a_link_from_elsewhere_leads_to_the_page(client):

@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import susp_ss as ss
-from susp_ss.metrics.weightings import WEIGHTINGS
-from susp_ss.responses.filters import Filter
+from susp_ss.metrics.weightings import WEIGHTINGS, filter_of
+from susp_ss.responses.covariance.routes import covariance_variances
+from susp_ss.responses.excitation import spanned
+from susp_ss.responses.filters import EachDesign, Filter
 
 S = control.tf("s")
 
@@ -211,6 +213,16 @@ def test_the_time_route_is_within_its_error(given):
     timed = ss.ride_metrics(UNEQUAL, road, method="time", weighting=given, points=POINTS, duration=200.0, seed=2)
     for name, data in exact.items():
         assert (abs(timed[name] - data) <= 4.5 * timed[f"{name}_stderr"]).all(), name
+
+
+@pytest.mark.parametrize("car", [ss.QuarterCar(), ss.FullCar(arb_front=5e3), ss.RideHandlingCar()], ids=str)
+@pytest.mark.parametrize("road", [{"waviness": 2.3}, {"cutoff": 0.01, "tracks": "isotropic"}], ids=str)
+def test_filters_of_each_design_are_those_filters_alone(car, road):
+    filters, speeds = [None, filter_of("Wk", ""), filter_of("We", "")], np.array([10.0, 20.0, 30.0])
+    space, flat, ground = spanned(car, ss.Road(speed=speeds, **road))
+    together = covariance_variances(flat, space, ground.weighted(EachDesign(filters)))
+    for i, one in enumerate(filters):
+        assert together[i] == pytest.approx(covariance_variances(flat, space, ground.weighted(one))[i], rel=1e-12)
 
 
 def test_a_tyre_load_behind_a_filter_is_finite():

@@ -9,7 +9,7 @@ import models
 import oracles
 import susp_ss as ss
 from models import VEHICLES
-from susp_ss.vehicles.second_order import modes_of
+from susp_ss.vehicles.modes import modes_among
 
 PROPER = {name: car for name, car in VEHICLES.items() if "tyre" not in name and "unequal ends" not in name}
 FREQUENCY = np.geomspace(0.05, 60.0, 40)
@@ -172,6 +172,6 @@ def test_state_space_needs_numbers():
 
 def test_two_equal_eigenvalues_are_two_modes_however_rounding_splits_them():
     split = np.array([-2.0 + 1e-8j, -2.0 - 1e-8j, -0.5 + 3.0j, -0.5 - 3.0j, -1.0 + 0.0j])
-    assert modes_of(split).tolist() == [4, 0, 1, 2]
+    assert modes_among(split).tolist() == [4, 0, 1, 2]
     apart = np.array([-2.0 + 0.1j, -2.0 - 0.1j, -3.0, -3.0])
-    assert modes_of(apart).tolist() == [0, 2, 3]
+    assert modes_among(apart).tolist() == [0, 2, 3]

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from ..extras import needing
+from .answers import answer
 from .background import background
-from .compute import compute
 from .downloads import offer
 from .layout import layout
 from .server import guard
@@ -27,10 +27,9 @@ ICON = (
 def application(
     given: Given = NOTHING, served: bool = True, slowly: Callable[[Any, Given], Any] | None = None
 ) -> dash.Dash:
-    """The page: what it holds is `layout`, what it shows is `compute`.
+    """The page: what it holds is `layout`, what its scripts ask for is `answer` and `background`.
 
-    Its stores are ``state``, which the page's scripts write, and ``results``, which is `compute` of it; ``conditions``,
-    a state that they write where more than springs and dampers moved, and ``background`` of that.
+    They ask past Dash, whose components would compare and copy all that is drawn at each move of a slider.
 
     Parameters
     ----------
@@ -53,27 +52,28 @@ def application(
     app.index_string = app.index_string.replace("{%favicon%}", ICON)
     app.layout = layout(given, served)
 
-    def script(function: str, store: str) -> None:
-        app.clientside_callback(dash.ClientsideFunction("explorer", function), dash.Input(store, "data"))
-
-    script("start", "table")
-    script("answered", "results")
-    script("answeredSlowly", "background")
+    start = dash.ClientsideFunction("explorer", "start")
+    app.clientside_callback(start, dash.Input("table", "data"))
     if not served:
-        for function, store, question in (("compute", "results", "state"), ("background", "background", "conditions")):
-            stores = dash.Output(store, "data"), dash.Input(question, "data")
-            app.clientside_callback(dash.ClientsideFunction("engine", function), *stores, prevent_initial_call=True)
         return app
 
     offer(app.server, given)
-
-    @app.callback(dash.Output("results", "data"), dash.Input("state", "data"), prevent_initial_call=True)
-    def answer(state: Any) -> Any:
-        return compute(state, given)
-
-    @app.callback(dash.Output("background", "data"), dash.Input("conditions", "data"), prevent_initial_call=True)
-    def answer_slowly(conditions: Any) -> Any:
-        return (slowly or background)(conditions, given)
-
+    reply(app.server, "answer", lambda question: answer(question, given))
+    reply(app.server, "background", lambda conditions: (slowly or background)(conditions, given))
     guard(app.server, app.csp_hashes())
     return app
+
+
+def reply(server: Any, name: str, found: Callable[[Any], Any]) -> None:
+    """Let a Flask application answer what is posted to ``/name``: JSON by JSON, a ValueError in one line."""
+    with needing("explorer", "The explorer"):
+        import orjson
+    from flask import request
+
+    @server.post(f"/{name}", endpoint=name)
+    def replied() -> Any:
+        try:
+            text = orjson.dumps(found(request.get_json()), option=orjson.OPT_SERIALIZE_NUMPY)
+        except ValueError as error:
+            return str(error), 400, {"Content-Type": "text/plain"}
+        return text, {"Content-Type": "application/json"}

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from ..design.bounds import bounds
 from ..design.pareto import ParetoFront, pareto_front
-from ..metrics.ride import ride_metrics
 from ..vehicles.vehicle import joined
 from .compute import Found, Scene
-from .rows import at_places, existing, output_names
+from .rows import existing, metrics_at_places, output_names
 from .state import NOTHING, Given
 from .table import DESIGN, Number
 
@@ -115,7 +114,7 @@ def carpet(field: Field) -> Found:
         name: joined({wheel: own * by for wheel, own in zip(car.wheels, car.at_wheels(name), strict=True)})
         for name, by in (("ks", springs), ("cs", dampers))
     }
-    values = {row.name: row.values for row in at_places(ride_metrics(dataclasses.replace(car, **scaled), field.road))}
+    values = {row.name: row.values for row in metrics_at_places(dataclasses.replace(car, **scaled), field.road)}
     designs = np.stack([values[x], values[y]], axis=-1).reshape(len(FACTORS), len(FACTORS), 2)
     if not np.isfinite(designs).all():
         raise ValueError(f"no carpet of {x} and {y}, which are infinite on this road")

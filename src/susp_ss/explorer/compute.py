@@ -2,63 +2,21 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable
-from functools import cached_property, partial
-from typing import Any, Self
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from ..fit.surrogate_file import SuspensionSurrogate
 from ..metrics.comfort import AXES, in_words
-from ..metrics.ride import ride_metrics
-from ..metrics.weightings import filter_of
-from ..responses.covariance import linearised
-from ..responses.covariance.routes import covariance_variances
-from ..responses.excitation import spanned
-from ..roads.road import Road
-from .design import road_of, vehicle_of
+from ..responses.frequency import densities, on_heights
 from .motion import bump, modes
-from .rows import Row, at_places, named, number
-from .spectra import FREQUENCIES, bode, spectra
-from .state import NOTHING, Given, checked
+from .rows import at_places, named, number, numbers
+from .scene import FELT, SPEEDS, Found, Scene, share
+from .spectra import GRID, bode, spectra
+from .state import NOTHING, Given
 from .surrogates import predictions
-
-SPEEDS = np.linspace(4.0, 60.0, 29)
-"""Over which metrics are shown, in m/s."""
-
-Found = dict[str, Any]
-
-
-class Scene:
-    """A state as everything that is shown of it needs it, and what was wrong with it on the way."""
-
-    def __init__(self, state: Any, given: Given):
-        self.state, self.errors = checked(state, given)
-        self.given = given
-
-    @cached_property
-    def vehicle(self) -> Any:
-        return vehicle_of(self.state, self.given)
-
-    @cached_property
-    def road(self) -> Road:
-        return road_of(self.state, self.given)
-
-    @cached_property
-    def straight(self) -> Any:
-        """The vehicle, with numbers in place of curves."""
-        return linearised(self.vehicle, self.road) if self.vehicle.curved else self.vehicle
-
-    def attempt(self, part: Callable[[Self], Any]) -> Any:
-        """What a part finds; None where the package refuses, which is noted."""
-        try:
-            return part(self)
-        except (ValueError, TypeError) as error:
-            line = {"parameter": "", "message": str(error)}
-            if line not in self.errors:
-                self.errors.append(line)
-            return None
 
 
 def compute(state: Any, given: Given = NOTHING) -> Found:
@@ -97,7 +55,18 @@ def compute(state: Any, given: Given = NOTHING) -> Found:
     >>> [round(one["value"], 3) for one in found["metrics"] if one["name"] == "bacc"]
     [0.678]
     """
-    scene, found = Scene(state, given), Found()
+    return compute_all([state], given)[0]
+
+
+def compute_all(states: Sequence[Any], given: Given = NOTHING) -> list[Found]:
+    """The same of several states, which share what they can."""
+    scenes = [Scene(state, given) for state in states]
+    share(scenes)
+    return [_shown(scene) for scene in scenes]
+
+
+def _shown(scene: Scene) -> Found:
+    found = Found()
     for part in PARTS:
         found |= scene.attempt(part) or {}
     return found | {"errors": scene.errors}
@@ -105,29 +74,22 @@ def compute(state: Any, given: Given = NOTHING) -> Found:
 
 def over_speed(scene: Scene) -> Found:
     """Metrics at the road's own speed, and over speed where the vehicle can go so fast."""
-
-    def at(speed: Any) -> list[Row]:
-        return at_places(ride_metrics(scene.vehicle, dataclasses.replace(scene.road, speed=speed)))
-
-    swept = scene.attempt(lambda scene: at(np.append(scene.road.speed, SPEEDS)))
-    rows = swept or at(scene.road.speed)
+    rows = at_places(scene.vehicle.layout(), scene.ride.moments)
     found = {"metrics": [row.described() | {"value": number(row.values[0])} for row in rows]}
-    if swept is None:
+    if len(scene.ride.moments.variances) == 1:
         return found
-    over = [row.described() | {"values": list(map(number, row.values[1:]))} for row in rows]
+    over = [row.described() | {"values": numbers(row.values[1:])} for row in rows]
     return found | {"speeds": {"speed": SPEEDS.tolist(), "metrics": over}}
 
 
 def comfort(scene: Scene) -> Found:
     """Weighted accelerations and total values at all points."""
-    space, flat, road = spanned(scene.straight, scene.road)
-    layout = flat.layout()
-    weighted = {}
-    for weighting in dict.fromkeys(axis.weighting for axis in AXES.values()):
-        variances = covariance_variances(flat, space, road.weighted(filter_of(weighting, "")), 1)[0]
-        for name, axis in AXES.items():
-            if axis.weighting == weighting and name in layout.variables:
-                weighted[name] = np.sqrt(variances[layout.outputs.of(name)])
+    layout, variances = scene.vehicle.layout(), dict(zip(FELT, scene.ride.felt, strict=True))
+    weighted = {
+        name: np.sqrt(variances[axis.weighting][layout.outputs.of(name)])
+        for name, axis in AXES.items()
+        if name in layout.variables
+    }
     if "bacc" not in weighted:
         return {"comfort": []}
     total = np.sqrt(sum((AXES[name].k * value) ** 2 for name, value in weighted.items()))
@@ -146,13 +108,23 @@ def comfort(scene: Scene) -> Found:
 
 def over_frequency(scene: Scene) -> Found:
     """Frequency responses and spectra of the outputs that the state names."""
-    asked = scene.state["bode"]
-    f = np.geomspace(*FREQUENCIES)
+    asked, layout, omega = scene.state["bode"], scene.straight.layout(), 2.0 * np.pi * GRID
+    relative = scene.model.relative_transfer(omega)
+    H = on_heights(scene.model, omega, relative)
+    S = densities(scene.straight, scene.model, scene.road, GRID, relative)
     return {
-        "frequency": f.tolist(),
-        "bode": bode(scene.straight, asked, f),
-        "psd": spectra(scene.straight, scene.road, asked, f),
+        "frequency": GRID.tolist(),
+        "bode": bode(layout, H.reshape(H.shape[-3:]), asked),
+        "psd": spectra(layout, S.reshape(S.shape[-2:]), asked),
     }
+
+
+def over_bump(scene: Scene) -> Found:
+    """A drive over the bump, whose speed is its own: a car whose motions depend on that is another there."""
+    asked = scene.state["bump"]
+    car = scene.vehicle.moving(asked["speed"])
+    shared = not scene.vehicle.curved and (car is scene.vehicle or asked["speed"] == scene.road.speed)
+    return {"bump": bump(car, scene.model if shared else None, **asked)}
 
 
 def surrogates(scene: Scene) -> Found:
@@ -171,8 +143,8 @@ PARTS: tuple[Callable[[Scene], Found], ...] = (
     over_speed,
     comfort,
     over_frequency,
-    lambda scene: {"modes": modes(scene.straight)},
-    lambda scene: {"bump": bump(scene.vehicle, **scene.state["bump"])},
+    lambda scene: {"modes": modes(scene.straight, scene.model)},
+    over_bump,
     surrogates,
 )
 """What is shown, each by itself: where one is refused, the others stand."""

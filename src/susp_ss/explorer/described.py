@@ -16,7 +16,7 @@ from ..roads.road import TRACKS, Road
 from ..vehicles.vehicle import Vehicle
 from .design import damper
 from .motion import motion_of
-from .rows import at_places, named
+from .rows import metrics_at_places, named
 from .spectra import own_name, response_unit, spectrum_unit, under
 from .table import takes_curve
 
@@ -29,7 +29,7 @@ def described(vehicle: Vehicle, asked: tuple[str, ...]) -> dict[str, Any]:
     table, names = np.arange(len(layout.outputs)), layout.outputs.names
     public = names[layout.outputs.public]
     measured = []
-    for row in at_places(ride_metrics(vehicle, Road())):
+    for row in metrics_at_places(vehicle, Road()):
         name, _, place = row.name.partition("@")
         rows = table[layout.rates if name == "damper_power" else layout.outputs.of(name)]
         at = layout.variables[name][1].index(place)
@@ -58,7 +58,7 @@ def described(vehicle: Vehicle, asked: tuple[str, ...]) -> dict[str, Any]:
 def curved(vehicle: Any) -> dict[str, Any]:
     """What dampers of curves need and add: the rows of their velocities, and how far they pump the body."""
     layout, bent = vehicle.layout(), dataclasses.replace(vehicle, cs=damper(1e3, 1.0, 0.5, 0.1, 1.0))
-    shifts = [row for row in at_places(ride_metrics(bent, Road())) if row.name.startswith(SHIFT.name)]
+    shifts = [row for row in metrics_at_places(bent, Road()) if row.name.startswith(SHIFT.name)]
     return {
         "suspensions": vehicle.assemble().suspensions.tolist(),
         "velocities": np.arange(len(layout.outputs))[layout.rates].tolist(),

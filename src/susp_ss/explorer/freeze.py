@@ -32,6 +32,12 @@ window.fetch = (address, ...more) => {{
 }})();
 """
 
+# The engine, for the page itself and for what computes beside it.
+BESIDE = """(window.explorer ??= {{}}).beside = () => {{
+{engine}}};
+explorer.beside();
+"""
+
 
 class Alone(Given):
     """What an explorer without a server offers: the models that `javascript.engine` knows."""
@@ -79,7 +85,7 @@ def freeze(folder: Path) -> Path:
     page = re.sub(r'(?P<attribute>src|href)="(?P<address>/[^"]+)"', saved, fetched("/").decode())
     page = re.sub(r'("requests_pathname_prefix":)"[^"]*"', r'\1"./"', page)
     answers = {name: fetched(f"/{name}").decode() for name in ASKED}
-    script = ANSWERED.format(known=json.dumps(answers)) + engine()
+    script = ANSWERED.format(known=json.dumps(answers)) + BESIDE.format(engine=engine())
     (folder / ENGINE).write_text(script, encoding="utf-8")
     first = '<script src="'
     page = page.replace(first, f'{first}{ENGINE}"></script>\n{first}', 1)

@@ -22,14 +22,15 @@ from ..quantities import signal
 from ..responses.covariance import linearisation
 from ..responses.excitation import DRIFT
 from ..responses.positions import form_with_positions
-from ..responses.simulation import RESOLVED, SWINGING
+from ..responses.simulation import SWINGING
 from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, Road
 from ..vehicles.curves import DamperCurve
 from ..vehicles.full import FullCar
+from ..vehicles.modes import SPLIT
 from ..vehicles.ride_handling import RideHandlingCar
-from ..vehicles.second_order import ROUNDING, SPLIT
+from ..vehicles.second_order import ROUNDING
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion, templates
 from .background import FACTORS, background, conditions
@@ -199,7 +200,7 @@ def engine(named: Iterable[str] = MODELS) -> str:
         | {"spacing": step},
         "CURVE": templates.curve()
         | {name.lower(): getattr(linearisation, name) for name in ("CONVERGED", "ROUNDS", "LONGEST", "STILL")}
-        | {"middling": DamperCurve.middling, "resolved": RESOLVED, "swinging": SWINGING},
+        | {"middling": DamperCurve.middling, "resolved": motion.RESOLVED, "swinging": SWINGING},
         "FILES": templates.files(),
         "WORDS": {
             "background": "front and best law: of the car and road as they begin; susp-ss explore has them of any",
@@ -215,5 +216,5 @@ def engine(named: Iterable[str] = MODELS) -> str:
     sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
     return (
         f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
-        "(globalThis.dash_clientside ??= {}).engine = { compute, background, metrics, file };\n})();\n"
+        "(globalThis.dash_clientside ??= {}).engine = { answer, compute, background, file, metrics };\n})();\n"
     )

@@ -1,4 +1,4 @@
-"""What stands on the explorer's page before its scripts fill it: stores, buttons and a panel a picture."""
+"""What stands on the explorer's page before its scripts fill it: its tables, buttons and a panel a picture."""
 
 from __future__ import annotations
 
@@ -49,19 +49,14 @@ ELSEWHERE = "FMUs have C source alone here; with a binary, and for cars of your 
 
 
 def layout(given: Given, served: bool = True) -> Any:
-    """The page: the stores ``state``, ``results``, ``conditions`` and ``background``, and what scripts fill.
+    """The page: the store ``table``, which its scripts begin with, and what they fill.
 
-    Scripts write ``state`` and ``conditions``; `compute` of the one is ``results``, `background` of the other
-    ``background``. Where the page is not ``served``, it says what it lacks.
+    Where it is not ``served``, it says what it lacks.
     """
     from dash import dcc, html
 
     return html.Div(
         [
-            dcc.Store(id="state"),
-            dcc.Store(id="results"),
-            dcc.Store(id="conditions"),
-            dcc.Store(id="background"),
             dcc.Store(id="table", data=given.document() | {"words": _words(given)}),
             html.Header(_header(served), id="head"),
             html.Ul(id="errors", role="alert"),

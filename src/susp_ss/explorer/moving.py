@@ -66,15 +66,8 @@ def _assembled(vehicle: RideHandlingCar, front: bool, rear: bool) -> str:
     at_wheels = [name.removeprefix("spin_") for name in rows.names[-4:]]
     lags = [f"late_{wheel}" for wheel, late in zip(at_wheels, own.lagging, strict=True) if late]
     positions = rows.names[: own.positions]
-    states = [
-        *positions,
-        *(f"d{name}" for name in positions),
-        "y",
-        "psi",
-        *(f"slip_{wheel}" for wheel in at_wheels),
-        *lags,
-    ]
-    slips = [name for name in states if name.startswith("slip")]
+    rates, slips = [f"d{name}" for name in positions], [f"slip_{wheel}" for wheel in at_wheels]
+    states = [*positions, *rates, "y", "psi", *slips, *lags]
     paths = {motion_of(vehicle, name)[1]: i for i, name in enumerate(positions)}
     shown = [paths[tuple(at) if at[0] == "wheels" else (at[-1],)] for _, at in placed(vehicle)]
     halves = []

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from ..quantities import CORNERS, MIDDLE
+from ..metrics.in_memory import exact_moments
+from ..metrics.weightings import filters
+from ..quantities import CORNERS, MIDDLE, SHIFT, Quantity
+from ..responses.labels import dim_of, values_of
+from ..responses.records import Moments
+from ..roads.road import Road
 from ..vehicles.contract import RoadVehicle
+from ..vehicles.second_order import Layout
 
 PLACES = {
     **CORNERS,
@@ -39,18 +44,28 @@ class Row(NamedTuple):
         return {"name": self.name, "label": self.label, "unit": self.unit}
 
 
-def at_places(metrics: xr.Dataset) -> list[Row]:
-    """Every metric of one design, or of designs on dim ``design``, at every place."""
-    rows, places = [], {dim: coord.values.tolist() for dim, coord in metrics.coords.items()}
-    for name, data in metrics.data_vars.items():
-        meaning, unit = data.attrs["long_name"].removeprefix("RMS "), data.attrs["units"]
-        dim = next((dim for dim in data.dims if dim != "design"), None)
-        if dim is None:
-            rows.append(Row(str(name), meaning, unit, np.atleast_1d(data.values)))
-            continue
-        for place, values in zip(places[dim], data.values.T, strict=True):
-            rows.append(Row(f"{name}@{place}", f"{meaning}, {named(place)}", unit, np.atleast_1d(values)))
-    return rows
+def metrics_at_places(vehicle: RoadVehicle, road: Road, weighting: Any = None) -> list[Row]:
+    """Every metric at every place, with the values of `ride_metrics`."""
+    layout = vehicle.layout()
+    return at_places(layout, exact_moments(vehicle, road, filters(weighting, layout)))
+
+
+def at_places(layout: Layout, found: Moments) -> list[Row]:
+    """The same of variances, damper powers and mean deflections."""
+    roots = np.sqrt(found.variances)
+    variables = [(*one, values_of(layout, name, roots, found.power)) for name, one in layout.variables.items()]
+    if found.shift is not None:
+        variables.append((SHIFT, layout.corners, found.shift))
+    return [row for variable in variables for row in _rows(*variable)]
+
+
+def _rows(quantity: Quantity, places: tuple[str, ...], values: NDArray[Any]) -> Iterator[Row]:
+    meaning = f"{quantity.statistic} {quantity.meaning}".removeprefix("RMS ")
+    if not dim_of(quantity, places):
+        yield Row(quantity.name, meaning, quantity.unit, values[:, 0])
+        return
+    for place, column in zip(places, values.T, strict=True):
+        yield Row(f"{quantity.name}@{place}", f"{meaning}, {named(place)}", quantity.unit, column)
 
 
 def output_names(car: RoadVehicle) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -84,6 +99,12 @@ def finite(values: NDArray[Any]) -> Any:
             "parameters lie too many decades apart for finite responses; pass zero where one nearly vanishes"
         )
     return values.tolist()
+
+
+def numbers(values: NDArray[Any]) -> list[float | None]:
+    """Numbers that JSON can hold; None is infinite."""
+    known = values.tolist()
+    return known if np.isfinite(values).all() else list(map(number, known))
 
 
 def number(value: Any) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,16 @@ from numpy.typing import NDArray
 from ..metrics.comfort import AXES
 from ..metrics.weightings import filter_of
 from ..quantities import metric_and_place, per_input, signal, unit_of
-from ..responses.frequency import frequency_response, psd
-from ..roads.road import Road
-from ..vehicles.contract import RoadVehicle
+from ..vehicles.second_order import Layout
 from .rows import existing, finite
 
 Array = NDArray[np.float64]
 
-
 FREQUENCIES = (0.1, 50.0, 200)
 """From the slowest ride motion to beyond wheel hop in Hz, and how many, evenly in the logarithm."""
+
+GRID = np.geomspace(*FREQUENCIES)
+"""These, in Hz."""
 
 
 def own_name(output: str, names: Sequence[str]) -> str:
@@ -44,35 +45,39 @@ def spectrum_unit(name: str) -> str:
     return f"({unit_of(name) or 1})^2/Hz"
 
 
-def bode(vehicle: RoadVehicle, outputs: Sequence[str], frequency: Array) -> list[dict[str, Any]]:
-    """Magnitude and phase (degrees, continuous) of outputs per metre of the road `under` each."""
-    response = frequency_response(vehicle, frequency)
-    names, inputs = response.output.values.tolist(), response.input.values.tolist()
+def bode(layout: Layout, H: NDArray[np.complex128], outputs: Sequence[str]) -> list[dict[str, Any]]:
+    """Magnitude and phase (degrees, continuous) of outputs per metre of the road `under` each.
+
+    ``H`` are all public outputs on all inputs (outputs, inputs, F).
+    """
+    names = layout.outputs.names[layout.outputs.public]
     curves = []
     for output in outputs:
-        name, given = own_name(output, names), under(output, inputs)
-        H = response.values[names.index(name), inputs.index(given)]
+        name, given = own_name(output, names), under(output, layout.inputs)
+        response = H[names.index(name), layout.inputs.index(given)]
         curves.append(
             {
                 "output": output,
                 "unit": response_unit(name, given),
                 "input": given,
-                "magnitude": finite(np.abs(H)),
-                "phase": finite(np.degrees(np.unwrap(np.angle(H)))),
+                "magnitude": finite(np.abs(response)),
+                "phase": finite(np.degrees(np.unwrap(np.angle(response)))),
             }
         )
     return curves
 
 
-def spectra(vehicle: RoadVehicle, road: Road, outputs: Sequence[str], frequency: Array) -> list[dict[str, Any]]:
-    """One-sided spectra of outputs on a road, those of accelerations also as people feel them."""
-    spectrum = psd(vehicle, road, frequency)
-    names = spectrum.output.values.tolist()
+def spectra(layout: Layout, densities: Array, outputs: Sequence[str]) -> list[dict[str, Any]]:
+    """One-sided spectra of outputs, those of accelerations also as people feel them.
+
+    ``densities`` are those of all public outputs (outputs, F).
+    """
+    names = layout.outputs.names[layout.outputs.public]
     curves = []
     for output in outputs:
         name = own_name(output, names)
-        S, axis = spectrum.values[names.index(name)], AXES.get(metric_and_place(name)[0])
-        felt = None if axis is None else S * filter_of(axis.weighting, "").power(2.0 * np.pi * frequency)
+        S, axis = densities[names.index(name)], AXES.get(metric_and_place(name)[0])
+        felt = None if axis is None else S * _powers(axis.weighting)
         curves.append(
             {
                 "output": output,
@@ -83,3 +88,9 @@ def spectra(vehicle: RoadVehicle, road: Road, outputs: Sequence[str], frequency:
             }
         )
     return curves
+
+
+@cache
+def _powers(weighting: str) -> Array:
+    """What a weighting leaves of a spectrum."""
+    return filter_of(weighting, "").power(2.0 * np.pi * GRID)

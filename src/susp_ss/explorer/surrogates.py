@@ -9,7 +9,6 @@ from typing import Any
 import pandas as pd
 
 from ..fit.surrogate_file import SuspensionSurrogate
-from ..metrics.ride import ride_metrics
 from ..quantities import ROAD, metric_and_place
 from ..roads.road import Road
 from ..surrogates.intervals import NoIntervalWarning
@@ -17,7 +16,7 @@ from ..surrogates.regressor import ExtrapolationWarning
 from ..vehicles.contract import RoadVehicle
 from ..vehicles.curves import rate_of
 from ..vehicles.vehicle import Vehicle
-from .rows import at_places, number
+from .rows import metrics_at_places, number
 
 INTERVAL = 0.95
 """Share of the expensive model's values that the bounds are to hold."""
@@ -61,8 +60,8 @@ def _exact(fitted: SuspensionSurrogate, design: dict[str, float], vehicle: RoadV
     cheap = fitted.low_fidelity
     given: dict[str, Any] = {name: value for name, value in design.items() if name in ROAD}
     through = {metric: cheap.weighting for metric, _ in map(metric_and_place, fitted.outputs) if cheap.through(metric)}
-    metrics = ride_metrics(vehicle, dataclasses.replace(cheap.road, **given), weighting=through)
-    return {row.name: float(row.values[0]) for row in at_places(metrics)}
+    rows = metrics_at_places(vehicle, dataclasses.replace(cheap.road, **given), through)
+    return {row.name: float(row.values[0]) for row in rows}
 
 
 def _value(surrogate: str, name: str, vehicle: RoadVehicle, road: Road) -> float:

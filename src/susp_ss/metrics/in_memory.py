@@ -52,12 +52,18 @@ def one_metric(
     vehicle: RoadVehicle, road: Road, name: str, place: str | None, weighting: Mapping[str, Filter]
 ) -> Array:
     """A single metric (designs,), exact and without labels, which take as long as some hundred designs."""
-    _, found = _moments(vehicle, road, "covariance", design_space(vehicle, road).size, weighting)
+    found = exact_moments(vehicle, road, weighting)
     layout = vehicle.layout()
     _, places = layout.variables[name]
     values = values_of(layout, name, found.variances, found.power)
     one = values[:, 0 if place is None else places.index(place)]
     return one if name == "damper_power" else np.sqrt(one)
+
+
+def exact_moments(vehicle: RoadVehicle, road: Road, weighting: Mapping[str, Filter]) -> Moments:
+    """What all metrics are made of, without labels."""
+    _, found = _moments(vehicle, road, "covariance", design_space(vehicle, road).size, weighting)
+    return found
 
 
 def _moments(
@@ -81,14 +87,19 @@ def _moments(
     else:
         found = (moments(road) if method == "spectral" else Moments(straight.variances))._replace(shift=straight.shift)
     if found.power is None:
-        errors = None if found.errors is None else car.damping() * found.errors[:, layout.rates]
-        found = found._replace(power=car.damping() * found.variances[:, layout.rates], power_errors=errors)
+        errors = None if found.errors is None else dissipated(car, found.errors)
+        found = found._replace(power=dissipated(car, found.variances), power_errors=errors)
     for one, rows in rows_behind(weighting, layout.outputs).items():
         through = moments(road.weighted(one), rows)
         found.variances[:, rows] = through.variances[:, rows]
         if found.errors is not None and through.errors is not None:
             found.errors[:, rows] = through.errors[:, rows]
     return space, found
+
+
+def dissipated(car: RoadVehicle, variances: Array) -> Array:
+    """Mean powers in W (designs, corners) of linear dampers, of variances (designs, outputs) of all outputs."""
+    return np.asarray(car.damping() * variances[:, car.layout().rates])
 
 
 def template(layout: Layout, method: str, weighting: Mapping[str, Filter], curved: bool) -> xr.Dataset:

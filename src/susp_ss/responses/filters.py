@@ -8,6 +8,7 @@ a term is analytic in its rate.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -89,6 +90,10 @@ class Filter:
         """Whether another has the same coefficients."""
         return np.array_equal(self.numerator, other.numerator) and np.array_equal(self.denominator, other.denominator)
 
+    def select(self, designs: Any) -> Filter:
+        """The same for any designs."""
+        return self
+
     @cached_property
     def colours(self) -> Colours:
         """``|W(j omega)|^2`` as first-order terms, for one design.
@@ -168,3 +173,37 @@ class Filter:
         A, B, C, D = signal.tf2ss(self.numerator, self.denominator)
         hold = FirstOrderHold(A, B, C, D, step)
         return np.concatenate(list(hold.drive(y[:, None])), axis=-1)[:, 0]
+
+
+# What lets everything pass.
+OPEN = Colours(np.ones((1, 1)), *(np.empty((1, 0)) for _ in range(3)))
+
+
+class EachDesign:
+    """A filter, or None, for each of N designs, which the covariance route then solves side by side.
+
+    Where some let the velocity of the road pass at high frequency, outputs that pass it straight on count as infinite
+    in every design.
+    """
+
+    def __init__(self, filters: Sequence[Filter | None]):
+        self.filters = tuple(filters)
+        self.strictly_proper = all(one is not None and one.strictly_proper for one in self.filters)
+
+    def select(self, designs: slice | NDArray[np.int_]) -> EachDesign:
+        """Those of some of the designs."""
+        return EachDesign([self.filters[i] for i in np.arange(len(self.filters))[designs]])
+
+    @cached_property
+    def colours(self) -> Colours:
+        """``|W(j omega)|^2`` of every design as as many first-order terms, some of them zero."""
+        each = [OPEN if one is None else one.colours for one in self.filters]
+        most = max(each, key=lambda one: one.alphas.shape[1]).alphas
+        nothing = np.zeros_like(most)
+
+        def filled(name: str, beyond: NDArray[Any]) -> NDArray[Any]:
+            rows = [getattr(one, name) for one in each]
+            return np.concatenate([np.concatenate([row, beyond[:, row.shape[1] :]], axis=1) for row in rows])
+
+        level = np.concatenate([one.level for one in each])
+        return Colours(level, filled("alphas", most), filled("low", nothing), filled("high", nothing))

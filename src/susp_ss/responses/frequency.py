@@ -60,15 +60,24 @@ def frequency_response(vehicle: RoadVehicle, frequency: ArrayLike) -> xr.DataArr
     H = np.empty((space.size, len(outputs), len(inputs), len(f)), dtype=complex)
     for part in blocks(space.size, int(TOGETHER // (len(layout.outputs) * len(inputs) * len(f)) + 1)):
         model = flat.select(part).assemble()
-        heights = H[part, :, : len(layout.inputs)]
-        np.multiply(1j * omega, model.relative_transfer(omega)[..., public, :, :], out=heights)
-        heights += (model.on_integrators @ model.integrators)[..., public, :, None]
+        H[part, :, : len(layout.inputs)] = on_heights(model, omega, model.relative_transfer(omega))
         if layout.controls:
             H[part, :, len(layout.inputs) :] = np.moveaxis(_controlled(model, omega)[..., public, :], -3, -1)
     labels = {"output": list(outputs), "input": list(inputs), "frequency": f}
     result = space.unflatten(H, ("output", "input", "frequency"), labels).rename("frequency_response")
     result.frequency.attrs["units"] = "Hz"
     return result
+
+
+def on_heights(model: Model, omega: NDArray, relative: NDArray) -> NDArray[np.complex128]:
+    """Public outputs per metre under every wheel at ``omega`` (F,), (designs..., outputs, inputs, F).
+
+    ``relative`` is `Model.relative_transfer` there.
+    """
+    public = model.layout.outputs.public
+    H = 1j * omega * relative[..., public, :, :]
+    H += (model.on_integrators @ model.integrators)[..., public, :, None]
+    return np.asarray(H)
 
 
 def _controlled(model: Model, omega: NDArray) -> NDArray:
@@ -127,17 +136,27 @@ def psd(vehicle: RoadVehicle, road: Road, frequency: ArrayLike, cross: bool = Fa
     S = np.empty((space.size, *(len(outputs) for _ in dims), len(f)), dtype=complex if cross else float)
     for part in blocks(space.size, int(TOGETHER // (len(table) * len(outputs) * len(f)) + 1)):
         some = flat.select(part)
-        wholes = _wholes(some, some.assemble(), road.select(part), f)
+        model = some.assemble()
+        wholes = _wholes(some, model, road.select(part), f, model.relative_transfer(2.0 * np.pi * f))
         S[part] = sum(map(_outer if cross else squared, wholes))
     result = space.unflatten(S, (*dims, "frequency"), {**dict.fromkeys(dims, outputs), "frequency": f}).rename("psd")
     result.frequency.attrs["units"] = "Hz"
     return result
 
 
-def _wholes(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray) -> list[NDArray]:
+def densities(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, relative: NDArray) -> NDArray[np.float64]:
+    """One-sided densities per Hz of the public outputs of a flattened vehicle at ``f`` (F,), (designs..., outputs, F).
+
+    ``relative`` is `Model.relative_transfer` there.
+    """
+    return np.asarray(sum(map(squared, _wholes(vehicle, model, road, f, relative))))
+
+
+def _wholes(vehicle: RoadVehicle, model: Model, road: Road, f: NDArray, relative: NDArray) -> list[NDArray]:
     """What each process does to the public outputs, (designs..., outputs, F), in roots of their densities per Hz."""
-    found = effects(vehicle, model, road, f, model.relative_transfer(2.0 * np.pi * f))
-    return [(np.sqrt(effect.velocity) * effect.whole)[..., model.layout.outputs.public, :] for effect in found]
+    public = model.layout.outputs.public
+    found = effects(vehicle, model, road, f, relative)
+    return [(np.sqrt(effect.velocity) * effect.whole)[..., public, :] for effect in found]
 
 
 def _outer(whole: NDArray) -> NDArray:

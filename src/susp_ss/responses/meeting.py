@@ -50,15 +50,26 @@ class Way(NamedTuple):
 def way_over(vehicle: RoadVehicle, profile: xr.Dataset, speed: float, step: Any) -> Way:
     """The way of a vehicle whose first axle goes from the first to the last point of a profile.
 
-    A wheel on the left (right) runs on the left (right) track, one on the centre line on the mean of both, as far
-    behind the first axle as its own is. Heights are linear between points; what lies before the first is as high as it.
-
     Raises
     ------
     TypeError, ValueError
         No profile, or one that is not longer than the vehicle; no step > 0.
     """
     points, (left, right) = checked_tracks(profile)
+    return way_along(vehicle, points, left, right, speed, step)
+
+
+def way_along(vehicle: RoadVehicle, points: Array, left: Array, right: Array, speed: float, step: Any) -> Way:
+    """The same along two tracks of heights at points in m.
+
+    A wheel on the left (right) runs on the left (right) track, one on the centre line on the mean of both, as far
+    behind the first axle as its own is. Heights are linear between points; what lies before the first is as high as it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Tracks that are not longer than the vehicle; no step > 0.
+    """
     step = positive("step", step, "s")
     length, wheelbase = float(points[-1] - points[0]), float(np.max(vehicle.wheelbase))
     if length <= wheelbase:

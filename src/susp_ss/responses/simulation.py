@@ -151,8 +151,7 @@ def simulate(
     whole = np.empty((space.size, len(layout.outputs) + corners, len(statistics or t)))
     for group in tracked(_groups(flat, space.size), "simulating", space.size > 1):
         part = flat.select(group)
-        histories = (_curved if vehicle.curved else _linear)(part, way.under(part), t, controls, positions)
-        kept(histories, whole[group], statistics)
+        kept(histories(part, way.under(part), t, controls, positions), whole[group], statistics)
     values, power = np.split(whole, [len(layout.outputs)], axis=1)
     if isinstance(reduce, str):
         return labelled_outputs(layout, values[..., 0], power[..., 0], space, long_name=f"{reduce} of {{meaning}}")
@@ -191,9 +190,24 @@ def _groups(flat: RoadVehicle, designs: int) -> list[slice]:
     return blocks(designs, many)
 
 
-def _linear(part: Any, z: Array, t: Array, controls: Array | None, positions: bool) -> Iterator[Array]:
-    """Outputs and damper powers (N, rows, L) of vehicles of numbers."""
-    model = part.assemble()
+def histories(
+    part: Any,
+    z: Array,
+    t: Array,
+    controls: Array | None = None,
+    positions: bool = False,
+    model: Model | None = None,
+    resolved: float = RESOLVED,
+) -> Iterator[Array]:
+    """Outputs and damper powers (N, rows, L) of flattened vehicles on heights z, (inputs, T) or (N, inputs, T).
+
+    Stretch after stretch, of vehicles of numbers; of one with curves all at once, in steps that times its fastest swing
+    are at most ``resolved``. ``model`` is theirs where it is known.
+    """
+    if part.curved:
+        yield _curved(part, z, t, positions, resolved)
+        return
+    model = part.assemble() if model is None else model
     damping, rates = model.damping[..., None], model.layout.rates
     for y in driven(model, z, t[1] - t[0], controls, part if positions else None):
         yield np.concatenate([y, damping * y[:, rates] ** 2], axis=1)
@@ -225,15 +239,15 @@ def driven(
     return hold.drive(u, -np.linalg.solve(A, B @ z[..., :1]))
 
 
-def _curved(part: Any, z: Array, t: Array, controls: Array | None, positions: bool) -> Iterator[Array]:
-    """The same of one vehicle with curves, in as many steps a sample as its fastest swing needs."""
+def _curved(part: Any, z: Array, t: Array, positions: bool, resolved: float) -> Array:
+    """`histories` of one vehicle with curves, in as many steps a sample as its fastest swing needs."""
     step, z = t[1] - t[0], z.reshape(z.shape[-2:])
-    parts = int(np.ceil(step * fastest(part.steepest()) / RESOLVED))
+    parts = int(np.ceil(step * fastest(part.steepest()) / resolved))
     finer = np.linspace(t[0], t[-1], parts * (len(t) - 1) + 1)
     heights = np.stack([np.interp(finer, t, row) for row in z])
     stepper = Stepper(part, step / parts, positions)
     y, damping = stepper.drive(heights, stepper.rest(z[:, 0]))
-    yield np.concatenate([y, damping * y[stepper.rate]])[None, :, ::parts]
+    return np.concatenate([y, damping * y[stepper.rate]])[None, :, ::parts]
 
 
 def fastest(vehicle: RoadVehicle) -> float:

@@ -85,10 +85,13 @@ def product(one: Colours, other: Colours) -> Colours:
         )
     )
     # What cancels at one end of the frequency axis is not computed there.
-    if not (_plain(one.low).any() or _plain(other.low).any()):
+    rising = ~np.concatenate([_plain(one.low), _plain(other.low)], axis=-1).any(axis=-1, keepdims=True)
+    if rising.all():
         level = one.static * other.static
     else:
         level = one.white * other.white - np.real(high).sum(axis=-1)[:, None]
+        if rising.any():
+            level = np.where(rising, one.static * other.static, level)
     return Colours(level, alphas, low, high)
 
 

@@ -60,6 +60,9 @@ def _swept(x: Array, height: float, length: float, wavelengths: tuple[float, flo
     return height * np.sin(2.0 * np.pi * np.minimum(waves, whole))
 
 
+STEP = 0.01
+"""In m, than which points are no further apart."""
+
 KINDS = {
     "kerb": Kind(_rise, 0.1, 0.05),
     "ramp": Kind(_rise, 0.1, 1.0),
@@ -81,7 +84,7 @@ def obstacle(
     track: str = "both",
     before: float = 5.0,
     after: float = 30.0,
-    step: float = 0.01,
+    step: float = STEP,
 ) -> xr.Dataset:
     """Return the profile of a level road with one obstacle.
 
@@ -136,10 +139,28 @@ def obstacle(
     >>> bool(abs(ride.sws.sel(corner="fr")).max() > abs(ride.sws.sel(corner="fl")).max())
     True
     """
-    if not isinstance(kind, str) or kind not in KINDS:
-        raise ValueError(f"kind must be one of {', '.join(KINDS)}, got {briefly(kind)}")
     if not isinstance(track, str) or track not in TRACKS:
         raise ValueError(f"track must be one of {', '.join(TRACKS)}, got {briefly(track)}")
+    further = {"edge": edge, "wavelengths": wavelengths, "step": step}
+    x, heights, shape = outline(kind, height, length, before, after, **further)
+    left, right = (heights if track in ("both", side) else np.zeros_like(x) for side in ("left", "right"))
+    return profile_of(x, left, right, {"obstacle": kind, **shape, "track": track})
+
+
+def outline(
+    kind: str,
+    height: Any,
+    length: Any,
+    before: Any,
+    after: Any,
+    *,
+    edge: Any = None,
+    wavelengths: Any = None,
+    step: Any = STEP,
+) -> tuple[Array, Array, dict[str, Any]]:
+    """Points x and heights (P,) in m of the track that has an `obstacle`, and what shapes it."""
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise ValueError(f"kind must be one of {', '.join(KINDS)}, got {briefly(kind)}")
     usual = KINDS[kind]
     shape = {
         name: positive(name, getattr(usual, name) if value is None else value, "m")
@@ -158,9 +179,8 @@ def obstacle(
         *({further["edge"], shape["length"] - further["edge"]} if "edge" in further else ()),
     }
     x = _through([-before, *sorted(corners), shape["length"] + after], step)
-    heights = usual.heights(x, **shape, **further)
-    left, right = (heights if track in ("both", side) else np.zeros_like(x) for side in ("left", "right"))
-    return profile_of(x + before, left, right, {"obstacle": kind, **shape, **further, "track": track})
+    shape |= further
+    return x + before, usual.heights(x, **shape), shape
 
 
 def _further(kind: str, length: float, step: float, edge: Any, wavelengths: Any) -> dict[str, Any]:

@@ -348,7 +348,8 @@ class Road:
 
     def select(self, designs: slice | NDArray[np.int_]) -> Self:
         """The road of some of the designs, of one with numbers or arrays over the designs."""
-        return self.mapped(lambda x: x[designs] if isinstance(x, np.ndarray) else x)
+        some = self.mapped(lambda x: x[designs] if isinstance(x, np.ndarray) else x)
+        return some if self.weighting is None else some.weighted(self.weighting.select(designs))
 
     def one(self, design: int) -> Self:
         """The road of one of the designs, as numbers."""

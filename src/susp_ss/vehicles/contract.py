@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..quantities import Quantity
 from .linkage import Wheel
+from .modes import Modes
 from .parameters import DesignSpace
 from .second_order import Layout
 
@@ -66,6 +67,10 @@ class Model(Protocol):
 
         That is (F,), or (designs, F).
         """
+        ...
+
+    def modes(self) -> Modes:
+        """Modes of one design."""
         ...
 
     def displacement_form(self) -> tuple[Array, Array, Array, Array, Array]:

@@ -8,16 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .linear_model import LinearLayout, LinearModel
-from .second_order import ROUNDING, Array, mode_table, modes_of
-
-if TYPE_CHECKING:
-    import pandas as pd
+from .modes import Modes, modes_among
+from .second_order import ROUNDING, Array
 
 CONTROLS = ("delta_f", "delta_r", "drive_fr", "drive_fl", "drive_rr", "drive_rl")
 """Steering angles in rad, positive to the left, and drive torques in N m, negative to brake."""
@@ -105,6 +103,34 @@ class HandlingModel(LinearModel):
             control=every.control,
         )
 
+    def modes(self) -> Modes:
+        """Modes of one design, each named after the motion that holds most of its energy; no name is given twice.
+
+        What has a position has a mode of its own; sway and yaw share one where they swing.
+        """
+        from scipy.optimize import linear_sum_assignment
+
+        every, n = self.all_motions, self.stiffness.shape[-1]
+        poles, vectors = self.rates[0], self.vectors[0]
+        keep = modes_among(poles)
+        poles, vectors = poles[keep], vectors[:, keep]
+        # All motions of a mode of the states that forces depend on.
+        w = (every.rates[0] @ vectors)[n : n + self.mass.shape[-1]] / poles
+        energy = (w.conj() * (self.mass[0] @ w)).real
+        energy[:n] += (vectors[:n].conj() * (self.stiffness[0] @ vectors[:n])).real
+        carcasses = self.carcass[0][:, None] * np.abs(vectors[len(vectors) - self.carcass.shape[-1] :]) ** 2
+        coordinates = tuple(name.removeprefix("d") for name in every.names[n : n + len(w)])
+        slots = [NAMED[name] for name in coordinates] + ["relaxation"] * len(carcasses)
+        shares = np.concatenate([energy, carcasses])
+        shares /= np.abs(shares).sum(axis=0)
+        worth = shares + (np.arange(len(slots)) < n)[:, None]
+        of, mode = linear_sum_assignment(worth, maximize=True)
+        named = {m: slots[i] for i, m in zip(of, mode, strict=True)}
+        if len({"sway", "yaw"} & set(named.values())) == 1:
+            named = {m: "sway and yaw" if name in ("sway", "yaw") else name for m, name in named.items()}
+        motions = tuple(named.get(m, slots[shares[:, m].argmax()]) for m in range(len(keep)))
+        return Modes.of(poles, w, coordinates, motions)
+
     def refusal(self) -> str:
         """Why nothing stays straight: a speed above the critical one, or a mode that no damper or tyre holds."""
         growing = self.rates.real.max(axis=-1) > -ROUNDING * np.abs(self.rates).max(axis=-1)
@@ -137,33 +163,3 @@ class HandlingModel(LinearModel):
         B, D = self.controls()
         u = np.array([given.get(name, 0.0) for name in CONTROLS])[:, None]
         return np.asarray((D @ u - self.C @ np.linalg.solve(self.A, B @ u))[..., 0])
-
-
-def handling_modes(model: HandlingModel) -> pd.DataFrame:
-    """Modes of one design, each with the name of the motion that holds most of its energy; no name is given twice.
-
-    What has a position has a mode of its own; sway and yaw share one where they swing.
-    """
-    from scipy.optimize import linear_sum_assignment
-
-    every, n = model.all_motions, model.stiffness.shape[-1]
-    poles, vectors = model.rates[0], model.vectors[0]
-    keep = modes_of(poles)
-    poles, vectors = poles[keep], vectors[:, keep]
-    # All motions of a mode of the states that forces depend on.
-    w = (every.rates[0] @ vectors)[n : n + model.mass.shape[-1]] / poles
-    energy = (w.conj() * (model.mass[0] @ w)).real
-    energy[:n] += (vectors[:n].conj() * (model.stiffness[0] @ vectors[:n])).real
-    carcasses = model.carcass[0][:, None] * np.abs(vectors[len(vectors) - model.carcass.shape[-1] :]) ** 2
-    coordinates = [name.removeprefix("d") for name in every.names[n : n + len(w)]]
-    slots = [NAMED[name] for name in coordinates] + ["relaxation"] * len(carcasses)
-    shares = np.concatenate([energy, carcasses])
-    shares /= np.abs(shares).sum(axis=0)
-    worth = shares + (np.arange(len(slots)) < n)[:, None]
-    of, mode = linear_sum_assignment(worth, maximize=True)
-    named = {m: slots[i] for i, m in zip(of, mode, strict=True)}
-    if len({"sway", "yaw"} & set(named.values())) == 1:
-        named = {m: "sway and yaw" if name in ("sway", "yaw") else name for m, name in named.items()}
-    table = mode_table(poles, w, coordinates)
-    table.insert(0, "name", [named.get(m, slots[shares[:, m].argmax()]) for m in range(len(keep))])
-    return table

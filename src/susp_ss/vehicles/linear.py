@@ -18,7 +18,7 @@ from .linear_model import LinearModel, driven, relative, stacked
 from .linkage import Wheel
 from .parameters import DesignSpace, computed
 from .parting import Growing
-from .second_order import Array, Layout, Outputs, mode_table, modes_of
+from .second_order import Array, Layout, Outputs
 from .signals import HEIGHT, check_system, checked_wheels, distances, length, named_like, output_table, road_inputs
 
 if TYPE_CHECKING:
@@ -216,10 +216,7 @@ class LinearVehicle(RoadVehicle):
         >>> law.closed.modes()["damping_ratio"].round(2).tolist()
         [0.58, 0.26]
         """
-        model = self.single("modes()")
-        keep = modes_of(model.rates[0])
-        shapes = model.states[0][:, : model.A.shape[-1]] @ model.vectors[0][:, keep]
-        return mode_table(model.rates[0][keep], shapes, model.layout.relative_states)
+        return self.single("modes()").modes().table()
 
     def halves(self) -> tuple[Any, ...]:
         """None: nothing is known of its sides."""

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from .modes import Modes, modes_among
 from .parting import Growing, Parted, parted
 from .second_order import CARRIED, Array, Layout, beyond_rounding, real_times
 
@@ -61,6 +62,13 @@ class LinearModel:
         A = np.pad(self.A, [(0, 0), (0, k), (0, k)])
         B = np.concatenate([self.B, self.integrators], axis=-2)
         return A, B, np.concatenate([self.C, self.on_integrators], axis=-1), self.on_road_velocity
+
+    def modes(self) -> Modes:
+        """Modes of one design, over the system's own states."""
+        poles, vectors = self.rates[0], self.vectors[0]
+        keep = modes_among(poles)
+        shapes = self.states[0][:, : self.A.shape[-1]] @ vectors[:, keep]
+        return Modes.of(poles[keep], shapes, self.layout.relative_states)
 
     def displacement_form(self) -> tuple[Array, Array, Array, Array, Array]:
         """``x' = A x + B z_r``, ``y = Y x + D z_r + D1 z_r'``, x being the own one less ``B z_r``."""

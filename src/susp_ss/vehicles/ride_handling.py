@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..quantities import HANDLING, ROAD, briefly
 from .full import FullCar
 from .handling_assembly import Velocities, assembled
-from .handling_model import CONTROLS, HandlingModel, handling_modes
+from .handling_model import CONTROLS, HandlingModel
 from .linkage import GRAVITY, Linkage, Output, coordinates
 from .parameters import checked
 from .seats import Seat
@@ -423,7 +423,7 @@ class RideHandlingCar(FullCar):
         >>> sorted(set(modes["name"]))
         ['front hop', 'heave', 'pitch', 'rear hop', 'roll', 'spin', 'sway and yaw']
         """
-        return handling_modes(self._at(speed).single("modes()"))
+        return self._at(speed).single("modes()").modes().table()
 
     def steady_state(self, speed: Any = None, delta_f: float = 0.0, delta_r: float = 0.0, **drive: float) -> xr.Dataset:
         """What a car that turns steadily settles at, on a level road.

@@ -17,16 +17,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..quantities import METRICS, Quantity, signal
 from .elimination import solved
-
-if TYPE_CHECKING:
-    import pandas as pd
+from .modes import Modes, modes_among
 
 Array = NDArray[np.float64]
 
@@ -35,31 +33,6 @@ ROUNDING = 1e-12
 
 # A static elongation no larger than this, relative to its terms, is what the solution of K leaves.
 CARRIED = 1e-7
-
-
-# Of its modulus, an imaginary part that rounding gives to two equal real eigenvalues: the root of it.
-SPLIT = 1e-6
-
-
-def modes_of(eigenvalues: NDArray[np.complex128]) -> NDArray[np.int_]:
-    """Which eigenvalues of a real matrix are its modes, slowest first: one of each pair, and all that do not swing."""
-    creeping = np.abs(eigenvalues.imag) <= SPLIT * np.abs(eigenvalues)
-    modes = np.flatnonzero(creeping | (eigenvalues.imag > 0.0))
-    return modes[np.argsort(np.abs(eigenvalues[modes]), kind="stable")]
-
-
-def mode_table(poles: NDArray[np.complex128], shapes: NDArray, names: Sequence[str]) -> pd.DataFrame:
-    """Modes as `Vehicle.modes` returns them, of their poles (m,) and shapes (names, m)."""
-    import pandas as pd
-
-    shapes = shapes / shapes[np.argmax(np.abs(shapes), axis=0), range(len(poles))]
-    return pd.DataFrame(
-        {
-            "frequency": np.abs(poles) / (2.0 * np.pi),
-            "damping_ratio": -poles.real / np.abs(poles),
-            "shape": [pd.Series(shape, index=list(names)) for shape in shapes.T],
-        }
-    )
 
 
 class Row(NamedTuple):
@@ -258,6 +231,12 @@ class SecondOrder:
         A[..., n:, :n] = -self.minv * self.K
         A[..., n:, n:] = -self.minv * self.C
         return A
+
+    def modes(self) -> Modes:
+        """Modes of one design, over its coordinates."""
+        poles, vectors = np.linalg.eig(self.A)
+        keep, names = modes_among(poles), self.layout.coordinates
+        return Modes.of(poles[keep], vectors[: len(names), keep], names)
 
     def displacement_form(self) -> tuple[Array, Array, Array, Array, Array]:
         """``x' = A x + B z_r``, ``y = Y x + D z_r + D1 z_r'`` over ``x = (q, q' - M^-1 C_in z_r)``."""

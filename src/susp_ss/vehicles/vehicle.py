@@ -20,7 +20,7 @@ from .linkage import Linkage, Wheel
 from .parameters import Corners, DesignSpace, checked, computed, lazy
 from .points import as_kind, checked_points, with_points
 from .seats import Seat, checked_seats, with_seats
-from .second_order import Layout, mode_table, modes_of
+from .second_order import Layout
 from .systems import control_system
 
 if TYPE_CHECKING:
@@ -446,10 +446,8 @@ class Vehicle(RoadVehicle):
         >>> modes["shape"][0].abs().idxmax()
         'z_b'
         """
-        model = self.single("modes()")
-        eigenvalues, vectors = np.linalg.eig(model.A)
-        keep, names = modes_of(eigenvalues), model.layout.coordinates
-        return mode_table(eigenvalues[keep], vectors[: len(names), keep], names)
+        table: pd.DataFrame = self.single("modes()").modes().table()
+        return table
 
 
 def _passed(value: Any, where: str, quantity: Quantity) -> Any:

@@ -4,7 +4,7 @@ window.explorer = window.explorer || {};
 
 explorer.page = (() => {
   const { html } = explorer;
-  const PATIENCE = 10000; // ms until an unanswered question is asked again.
+  const AGAIN = 1000; // ms until an unanswered question is asked again.
   const QUIET = 500; // ms without a move until slow things are asked for and numbers are read out.
   const NAMES = ["A", "B", "C", "D"];
   const NEEDS = { ride: "bump", carpet: "metrics" }; // Parts of the results by other names than their panels.
@@ -13,12 +13,10 @@ explorer.page = (() => {
   let here; // {state, pins} of the page.
   let address = []; // What is wrong with the URL, until something moves.
   const wrong = new Map(); // What else is, by its name.
-  let flight = null; // The question that is not answered yet: {state, key}, and of a pinned design its {pin}.
+  let flying = false; // Whether a question is not answered yet.
   let now = { key: null, state: null, results: null };
-  let turn = false; // Whether the last question was of the design that moves.
   let background = { key: null, found: null }; // Of the carpet, which takes seconds.
   let slowFlight = null; // The conditions of the background on its way.
-  let timer = null;
   let quiet = null;
   const answers = new Map(); // {key, results} of pinned designs.
   const waiting = new Set(); // Panels out of view whose picture is old.
@@ -26,7 +24,6 @@ explorer.page = (() => {
 
   const element = (name) => document.getElementById(name);
   const keyOf = (state) => JSON.stringify(state);
-  const send = (store, data) => dash_clientside.set_props(store, { data });
 
   // The designs to compare with; without a pin, the one that the page began with.
   function references() {
@@ -44,43 +41,33 @@ explorer.page = (() => {
     });
   }
 
-  // One question at a time, and always the newest: while sliders move, this design and an old pinned one in turn.
-  function ask() {
-    if (flight) return;
+  // One question at a time, and always the newest: of the design that moves, and of those to compare with that are old.
+  async function ask() {
+    if (flying) return;
     const { state } = here;
     const key = keyOf(state);
-    const old = references().find((one) => one.key !== key && answers.get(one.pin)?.key !== one.key);
-    const ours = now.key !== key && !(old && turn);
-    turn = ours;
-    element("panels").setAttribute("aria-busy", Boolean(ours || old));
-    if (!ours && !old) return;
-    flight = ours ? { state, key } : old;
-    timer = setTimeout(unanswered, PATIENCE);
-    send("state", { ...flight.state });
-  }
-
-  function unanswered() {
-    flight = null;
-    refuse("server", "The server has not answered; asked again.");
-    ask();
-  }
-
-  function answered(results) {
-    if (!results || !flight) return;
-    const { state, key, pin } = flight;
-    clearTimeout(timer);
-    flight = null;
-    wrong.delete("server");
-    if (pin !== undefined) answers.set(pin, { key, results });
-    else {
-      now = { key, state, results };
-      complain(results.errors);
-    }
+    const old = references().filter((one) => one.key !== key && answers.get(one.pin)?.key !== one.key);
+    const busy = now.key !== key || old.length > 0;
+    element("panels").setAttribute("aria-busy", busy);
+    if (!busy) return;
+    flying = true;
     try {
-      draw();
-    } finally {
-      ask();
+      const { found, pins } = await explorer.answers.live({ state, pins: old.map((one) => one.state) });
+      answered({ key, state, results: found }, old, pins);
+    } catch {
+      refuse("answer", "No answer; asked again.");
+      setTimeout(() => ((flying = false), ask()), AGAIN);
     }
+  }
+
+  function answered(next, old, pins) {
+    flying = false;
+    wrong.delete("answer");
+    old.forEach(({ pin, key }, i) => answers.set(pin, { key, results: pins[i] }));
+    now = next;
+    complain(next.results.errors);
+    ask(); // While this is drawn, the next is on its way.
+    draw();
   }
 
   function designs() {
@@ -292,20 +279,20 @@ explorer.page = (() => {
   }
 
   // One at a time here as well, and again where its conditions have moved on meanwhile.
-  function askSlowly() {
+  async function askSlowly() {
     const { bump, bode, ...frame } = explorer.state.unsprung(here.state);
     const key = keyOf(frame);
     if (slowFlight !== null || key === background.key) return;
     slowFlight = key;
-    send("conditions", here.state);
     settled({ key: null, found: null });
-  }
-
-  function answeredSlowly(found) {
-    const key = slowFlight;
-    slowFlight = null;
-    settled({ key, found });
-    askSlowly();
+    try {
+      settled({ key, found: await explorer.answers.slow(here.state) });
+    } catch {
+      settled({ key: null, found: { errors: [{ message: "no answer" }] } });
+    } finally {
+      slowFlight = null;
+    }
+    if (background.key) askSlowly();
   }
 
   function settled(next) {
@@ -317,13 +304,11 @@ explorer.page = (() => {
     draw(["carpet"]);
   }
 
-  return { start, answered, answeredSlowly, refuse };
+  return { start, refuse };
 })();
 
 window.dash_clientside = Object.assign(window.dash_clientside || {}, {
   explorer: {
     start: (table) => explorer.page.start(table),
-    answered: (results) => explorer.page.answered(results),
-    answeredSlowly: (background) => background && explorer.page.answeredSlowly(background),
   },
 });

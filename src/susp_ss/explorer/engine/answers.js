@@ -81,6 +81,15 @@ function compute(state) {
   return Object.assign(found, { bump: car.over(state.bump) });
 }
 
+// What the page shows of a design to compare with.
+function compared(state) {
+  const { metrics, comfort, frequency, bode, psd, modes, speeds, bump } = compute(state);
+  return { metrics, comfort, frequency, bode, psd, modes, speeds, bump: { t: bump.t, acceleration: bump.acceleration } };
+}
+
+// The design that moves, and others under the same conditions.
+const answer = ({ state, pins }) => ({ found: compute(state), pins: pins.map(compared) });
+
 const agrees = (asked, given) => asked === given
   || (asked instanceof Object && Object.entries(asked).every(([key, value]) => agrees(value, given?.[key])));
 

@@ -76,6 +76,16 @@ def track_in_other_units(road: Track) -> Track:
     return Track(road.level / TIME, *colours)
 
 
+def tracks_together(one: Track, other: Track) -> Track:
+    """The roads of some designs and those of others behind them, of as many colours."""
+
+    def joined(own: Colours, others: Colours) -> Colours:
+        return Colours(*(np.concatenate(pair, axis=-1) for pair in zip(own, others, strict=True)))
+
+    level = np.concatenate([one.level, other.level])
+    return Track(level, joined(one.real, other.real), joined(one.swinging, other.swinging))
+
+
 def disagreement(variances: Array, other: Array, outputs: Outputs, agreed: float) -> NDArray[np.bool_]:
     """Designs (N,) of which some variance (outputs, N) is not the same in other units, but for such a share."""
     units = {

@@ -34,8 +34,9 @@ CONVERGED, ROUNDS, LONGEST = 1e-10, 50, 1.0
 # No variance is taken as smaller.
 STILL = 1e-24
 
-# Newton's steps to the deviation of one corner's velocity.
-STEPS = 60
+# Newton's steps to the deviation of one corner's velocity; after one of SETTLED, what is left is of the order of its
+# square.
+STEPS, SETTLED = 60, 1e-8
 
 
 class State(NamedTuple):
@@ -246,10 +247,19 @@ class _Rounds:
         return groups if groups and alike else [[i] for i in range(len(names))]
 
     def first(self) -> Array:
-        """Where the rounds begin."""
-        powers = [np.log(self.first_cs[i] * DamperCurve.middling**2) for i, *_ in self.damped]
+        """Where the rounds begin: with what the tyres take in, if there are any."""
+        powers = [np.log(self._taken_in(i)) for i, *_ in self.damped]
         powers += [np.log(_weight(self.first_cs[i]) * SpringCurve.middling**2) for i, *_ in self.sprung]
         return np.stack([np.broadcast_to(power, self.N) for power in powers], axis=-1)
+
+    def _taken_in(self, i: int) -> Any:
+        """Power at a corner: on a white road half its intensity times the tyre's stiffness, whatever the dampers."""
+        if not hasattr(self.flat, "kt"):
+            return self.first_cs[i] * DamperCurve.middling**2
+        kt, road = self.flat.at_wheels("kt")[i], self.road
+        hop = np.sqrt(kt / self.flat.at_wheels("mu")[i])
+        white = 0.5 * hop**2 * road.psd(hop / (2.0 * np.pi * road.speed)) / road.speed
+        return 0.5 * kt * white
 
     def state(self, x: Array, chosen: NDArray[np.int_]) -> State:
         """The linear rates of some designs, and about which mean."""
@@ -327,6 +337,6 @@ def _deviation(damper: Curve, power: Array) -> Array:
         means = damper.means(sigma)
         step = (np.log(power / means.slope) - 2.0 * log_sigma) / (2.0 + sigma**2 * means.third / means.slope)
         log_sigma = log_sigma + np.clip(step, -2.0, 2.0)
-        if np.all(np.abs(step) < 1e-14 + 1e-15 * np.abs(log_sigma)):
+        if np.all(np.abs(step) < SETTLED):
             break
     return np.asarray(np.exp(log_sigma))

@@ -186,7 +186,7 @@ def modulus(p: Array) -> Array:
 def applied(p: Array, derivatives: Array) -> Array:
     """``p(d/dt)`` of a function whose derivatives are the rows; those beyond the last count as zero."""
     n = min(len(p), len(derivatives))
-    return np.asarray(np.einsum("in,in->n", p[:n], derivatives[:n]))
+    return np.asarray(np.add.reduce(p[:n] * derivatives[:n]))
 
 
 def decaying(g: Array, alphas: Array, first: int, count: int) -> Array:

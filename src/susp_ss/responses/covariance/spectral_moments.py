@@ -71,6 +71,10 @@ class Magnitude:
         self.rest = beyond / alphas[0, -1]
         """Times ``omega^2``, what it lacks at high frequency."""
 
+    def select(self, designs: object) -> Magnitude:
+        """The same for any designs."""
+        return self
+
 
 class Differentiated:
     """A `Model` of which some outputs and their derivatives in time, up to an order, are seen."""

@@ -1,0 +1,167 @@
+"""What the parts of the page share of a state: the vehicle, its linear model, and one solution for all its metrics."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import cached_property
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..metrics.comfort import AXES
+from ..metrics.in_memory import dissipated
+from ..metrics.weightings import filter_of
+from ..responses.covariance.linearisation import linearise
+from ..responses.covariance.routes import covariance_variances
+from ..responses.excitation import spanned
+from ..responses.filters import EachDesign
+from ..responses.records import Moments
+from ..roads.road import Road
+from ..vehicles.contract import Model
+from ..vehicles.vehicle import Vehicle, joined
+from .design import road_of, vehicle_of
+from .state import Given, checked
+
+Array = NDArray[np.float64]
+
+SPEEDS = np.linspace(4.0, 60.0, 29)
+"""Over which metrics are shown, in m/s."""
+
+FELT = tuple(dict.fromkeys(axis.weighting for axis in AXES.values()))
+"""Weightings that comfort needs."""
+
+Found = dict[str, Any]
+
+
+class Ride(NamedTuple):
+    """What a vehicle feels on its road, exactly.
+
+    ``moments`` are those at the road's own speed, then at `SPEEDS` where it can go so fast; ``felt`` (weightings,
+    outputs) the variances at its own speed through the weightings `FELT`. ``straight`` is the vehicle at its own speed
+    with numbers in place of curves.
+    """
+
+    moments: Moments
+    felt: Array
+    straight: Any
+
+
+class Scene:
+    """A state as everything that is shown of it needs it, and what was wrong with it on the way."""
+
+    def __init__(self, state: Any, given: Given):
+        self.state, self.errors = checked(state, given)
+        self.given = given
+
+    @cached_property
+    def vehicle(self) -> Any:
+        return vehicle_of(self.state, self.given)
+
+    @cached_property
+    def road(self) -> Road:
+        return road_of(self.state, self.given)
+
+    @cached_property
+    def ride(self) -> Ride:
+        """All metrics: one solution, over all speeds where the vehicle can go so fast."""
+        return self.attempt(lambda scene: _ridden(scene, SPEEDS)) or _ridden(self, SPEEDS[:0])
+
+    @cached_property
+    def straight(self) -> Any:
+        """The vehicle, with numbers in place of curves."""
+        return self.ride.straight if self.vehicle.curved else self.vehicle
+
+    @cached_property
+    def model(self) -> Model:
+        """The linear model of that."""
+        model: Model = self.straight.assemble()
+        return model
+
+    def attempt(self, part: Callable[[Self], Any]) -> Any:
+        """What a part finds; None where the package refuses, which is noted."""
+        try:
+            return part(self)
+        except (ValueError, TypeError) as error:
+            line = {"parameter": "", "message": str(error)}
+            if line not in self.errors:
+                self.errors.append(line)
+            return None
+
+
+def share(scenes: Sequence[Scene]) -> None:
+    """Solve the rides of all scenes of the first one's kind and road at once, which takes little longer than one."""
+    with suppress(ValueError, TypeError):
+        alike = [scene for scene in scenes if _alike(scene, scenes[0])]
+        if len(alike) > 1:
+            # What is refused of any is left to each alone.
+            for scene, ride in zip(alike, _linear(alike, SPEEDS), strict=True):
+                scene.ride = ride
+
+
+def _alike(scene: Scene, first: Scene) -> bool:
+    if not isinstance(scene.vehicle, Vehicle) or type(scene.vehicle) is not type(first.vehicle):
+        return False
+    return not scene.vehicle.curved and scene.state["road"] == first.state["road"]
+
+
+def _ridden(scene: Scene, speeds: Array) -> Ride:
+    return _curved(scene, speeds) if scene.vehicle.curved else _linear([scene], speeds)[0]
+
+
+def _linear(scenes: Sequence[Scene], speeds: Array) -> list[Ride]:
+    """Rides of vehicles of one kind on one road."""
+    count, road = 1 + len(speeds), scenes[0].road
+    along = np.concatenate([[road.speed], speeds, [road.speed] * len(FELT)])
+    filters = [None] * count + [filter_of(name, "") for name in FELT]
+    vehicle = _in_a_row([scene.vehicle for scene in scenes], len(along))
+    ground = dataclasses.replace(road, speed=np.tile(along, len(scenes))).weighted(EachDesign(filters * len(scenes)))
+    space, car, ground = spanned(vehicle, ground)
+    variances = covariance_variances(car, space, ground)
+    powers = dissipated(car, variances)
+    rides = []
+    for scene, own, power in zip(scenes, *(np.split(x, len(scenes)) for x in (variances, powers)), strict=True):
+        felt, outputs = own[count:], scene.vehicle.layout().outputs
+        if not all(np.isfinite(felt[:, outputs.of(name)]).all() for name in AXES if name in outputs.quantities):
+            # Beside roads that no filter stands on, what passes on their velocity counts as infinite.
+            felt = _felt(scene.vehicle, road)
+        rides.append(Ride(Moments(own[:count], power=power[:count]), felt, scene.vehicle))
+    return rides
+
+
+def _in_a_row(vehicles: Sequence[Any], times: int) -> Any:
+    """One vehicle of as many designs, each so many times; what is one number for all stays one."""
+    if len(vehicles) == 1:
+        return vehicles[0]
+    first = vehicles[0]
+
+    def row(values: Sequence[Any]) -> Any:
+        return values[0] if len({*values}) == 1 else np.repeat(values, times)
+
+    def at(name: str) -> Any:
+        if name not in first.per_corner:
+            return row([getattr(car, name) for car in vehicles])
+        values = zip(*(car.at_wheels(name) for car in vehicles), strict=True)
+        return joined(dict(zip(first.wheels, map(row, values), strict=True)))
+
+    return dataclasses.replace(first, **{field.name: at(field.name) for field in dataclasses.fields(first)})
+
+
+def _curved(scene: Scene, speeds: Array) -> Ride:
+    """The same with what stands for the curves at each speed."""
+    along = np.append(scene.road.speed, speeds)
+    space, car, ground = spanned(scene.vehicle, dataclasses.replace(scene.road, speed=along))
+    found = linearise(car, space, ground)
+    moments = Moments(found.variances, power=dissipated(found.vehicle, found.variances), shift=found.shift)
+    straight = found.vehicle.mapped(lambda x: float(x[0]) if isinstance(x, np.ndarray) else x)
+    return Ride(moments, _felt(straight, scene.road), straight)
+
+
+def _felt(vehicle: Any, road: Road) -> Array:
+    """Variances of a vehicle of numbers through the weightings `FELT`."""
+    filters = EachDesign([filter_of(name, "") for name in FELT])
+    here = dataclasses.replace(road, speed=np.full(len(FELT), road.speed))
+    space, car, ground = spanned(vehicle, here.weighted(filters))
+    return covariance_variances(car, space, ground)
