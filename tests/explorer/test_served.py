@@ -29,6 +29,9 @@ DESIGNS = {
     "model=ride-handling&cornering_rear=60000&speed=25": ss.RideHandlingCar(
         cornering=ss.Corners.axles(front=45e3, rear=60e3), speed=25.0
     ),
+    "model=three-axle&ks_middle=450000&arb_rear=200000&speed=25": ss.ThreeAxleTruck(
+        ks=(250e3, 450e3, 550e3), arb_rear=200e3
+    ),
 }
 ROAD = ss.Road.iso8608("B", speed=25.0, tracks="isotropic")
 
@@ -199,7 +202,7 @@ WRONG = {
     "/download/csv?ks_front=soft": (400, "ks_front must be a number from 5053 to 74553 N/m, got 'soft'"),
     "/download/py?model=boat": (
         400,
-        "model must be one of full, quarter, pitch-half, roll-half, ride-handling, got 'boat'",
+        "model must be one of full, quarter, pitch-half, roll-half, ride-handling, three-axle, got 'boat'",
     ),
 }
 

@@ -64,6 +64,7 @@ def test_what_a_model_does_not_take_is_not_offered():
     assert "seat_x" in names["pitch-half"]
     assert "seat_y" not in names["pitch-half"]
     assert not {"seat_x", "seat_y"} & names["quarter"]
+    assert {"ks_middle", "arb_middle", "middle", "seat_x"} <= names["three-axle"]
     assert "waviness" not in {row.name for row in Given(road=ss.Road.two_slope()).tables["full"]}
 
 

@@ -18,7 +18,7 @@ from ..vehicles.contract import RoadVehicle
 from ..vehicles.files import model_named
 from .table import DESIGN, Choice, Number, rows
 
-MODELS = ("full", "quarter", "pitch-half", "roll-half", "ride-handling")
+MODELS = ("full", "quarter", "pitch-half", "roll-half", "ride-handling", "three-axle")
 """Models that the page offers beside the one of a file, the first to begin with."""
 
 FILE = "file"

@@ -81,7 +81,6 @@ SPAN = {
     "ct": (0.0, 500.0),
     **dict.fromkeys(("arb", "arb_front", "arb_middle", "arb_rear"), (0.0, 60e3)),
     "ixz": (-200.0, 200.0),
-    "middle": (-1.0, 2.0),
     "relaxation": (0.0, 1.0),
     **dict.fromkeys(("roll_centre_front", "roll_centre_rear"), (-0.1, 0.4)),
     **dict.fromkeys(("seat_x", "seat_y"), (-2.0, 2.0)),
@@ -117,16 +116,29 @@ def rows(car: RoadVehicle, road: Road) -> tuple[Number | Choice, ...]:
     return (*_vehicle(car), *curve, *_seat(car), *_road(road), *BUMP, *_shown(car))
 
 
-def _slider(name: str, table: str, key: str, group: str, label: str, quantity: Quantity, own: float) -> Number:
+def _slider(
+    name: str, table: str, key: str, group: str, label: str, quantity: Quantity, own: float, car: Any
+) -> Number:
     """A slider about a vehicle's own value."""
-    field = quantity.name
-    low, high = REACH.get(field, USUAL_REACH)
-    if field in SPAN:
-        least, most = min(SPAN[field][0], 2.0 * own), max(SPAN[field][1], 3.0 * own)
-    else:
-        least, most = (low * own, high * own) if own else (0.0, 100.0 * quantity.known[0])
+    least, most = _reach(quantity, own, car)
     step = _round_step((most - least) / STEPS)
     return Number(name, table, key, group, label, quantity.unit, *_grid(least, most, step, own))
+
+
+def _reach(quantity: Quantity, own: float, car: Any) -> tuple[float, float]:
+    """How far a slider goes: over the whole vehicle, where it is a place along that."""
+    field = quantity.name
+    if field == "middle":
+        return -0.9 * car.a, 0.9 * car.b
+    if field not in SPAN:
+        low, high = REACH.get(field, USUAL_REACH)
+        return (low * own, high * own) if own else (0.0, 100.0 * quantity.known[0])
+    first, last = SPAN[field]
+    if field == "seat_x":
+        first, last = min(first, -getattr(car, "b", 0.0)), max(last, getattr(car, "a", 0.0))
+    elif field.startswith("arb"):
+        last = max(last, *map(rate_of, car.at_wheels("ks")))
+    return min(first, 2.0 * own), max(last, 3.0 * own)
 
 
 def _grid(least: float, most: float, step: float, own: float) -> tuple[float, float, float, float]:
@@ -158,7 +170,7 @@ def _vehicle(car: RoadVehicle) -> Iterator[Number]:
             symbol = f" {quantity.symbol}" if quantity.symbol else ""
             label = f"{quantity.meaning}{symbol}" + (f", {place}" if place else "")
             known = quantity._replace(name=_stem(name))
-            yield _slider(signal(name, place), "vehicle", signal(name, place), group, label, known, own)
+            yield _slider(signal(name, place), "vehicle", signal(name, place), group, label, known, own, car)
 
 
 def _stem(name: str) -> str:
@@ -196,7 +208,7 @@ def _seat(car: RoadVehicle) -> Iterator[Number]:
         rotation, own = places.get(key, ("", getattr(Seat, key)))
         if not rotation or rotation in car.layout().variables:
             named = quantity._replace(name=f"seat_{key}")
-            yield _slider(f"seat_{key}", "seat", key, "seat", quantity.meaning, named, own)
+            yield _slider(f"seat_{key}", "seat", key, "seat", quantity.meaning, named, own, car)
 
 
 def _road(road: Road) -> Iterator[Number | Choice]:

@@ -34,6 +34,9 @@ NAMED = {
 }
 """Modes by the coordinate that moves most."""
 
+UNMOVED = 1e-9
+"""Of a mode's energy: a motion that holds no more does not name it."""
+
 INTEGRATORS = ("warp", "bank")
 """The warp of the road in m, and the angle in rad to which a road that stands still would bring the body."""
 
@@ -104,9 +107,10 @@ class HandlingModel(LinearModel):
         )
 
     def modes(self) -> Modes:
-        """Modes of one design, each named after the motion that holds most of its energy; no name is given twice.
+        """Modes of one design, each named after the motion that holds most of its energy, none of these twice.
 
-        What has a position has a mode of its own; sway and yaw share one where they swing.
+        What has a position has a mode of its own; sway and yaw share one where they swing. More modes than motions, of
+        which a pair that creeps makes two, are named after what holds most of their energy all the same.
         """
         from scipy.optimize import linear_sum_assignment
 
@@ -125,7 +129,7 @@ class HandlingModel(LinearModel):
         shares /= np.abs(shares).sum(axis=0)
         worth = shares + (np.arange(len(slots)) < n)[:, None]
         of, mode = linear_sum_assignment(worth, maximize=True)
-        named = {m: slots[i] for i, m in zip(of, mode, strict=True)}
+        named = {m: slots[i] for i, m in zip(of, mode, strict=True) if shares[i, m] > UNMOVED}
         if len({"sway", "yaw"} & set(named.values())) == 1:
             named = {m: "sway and yaw" if name in ("sway", "yaw") else name for m, name in named.items()}
         motions = tuple(named.get(m, slots[shares[:, m].argmax()]) for m in range(len(keep)))

@@ -11,6 +11,8 @@ from .half import corners
 from .linkage import Linkage, Wheel, coordinates
 from .vehicle import Vehicle
 
+OUTSIDE = "(middle=...) must lie between -a and b, got {middle} m"
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ThreeAxleTruck(Vehicle):
@@ -91,8 +93,9 @@ class ThreeAxleTruck(Vehicle):
         a, middle, b = (space.flat(x) for x in (self.a, self.middle, self.b))
         outside = np.flatnonzero(~((-a < np.asarray(middle)) & (middle < np.asarray(b))))
         if outside.size:
-            at = f"{np.broadcast_to(middle, space.size)[outside[0]]:g} m{space.place(int(outside[0]))}"
-            raise ValueError(f"{type(self).__name__}(middle=...) must lie between -a and b, got {at}")
+            got = f"{np.broadcast_to(middle, space.size)[outside[0]]:g}"
+            at = space.place(int(outside[0]))
+            raise ValueError(f"{type(self).__name__}{OUTSIDE.format(middle=got)}{at}")
 
     @property
     def axles(self) -> tuple[Any, ...]:

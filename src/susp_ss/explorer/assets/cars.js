@@ -3,7 +3,7 @@
 window.explorer = window.explorer || {};
 
 explorer.Car = class {
-  static RADIUS = 0.31;
+  static SIZES = { car: { radius: 0.31, mount: 0.62, height: 1.4 }, truck: { radius: 0.5, mount: 1.0, height: 3.1 } };
   static DEPTH = [0.3, 0.24]; // How far the far side lies to the right of and above the near one, per metre.
 
   // A drawing of the wheels at places {name: [ahead, left]} in metres.
@@ -15,6 +15,8 @@ explorer.Car = class {
     [this.right, this.left] = [Math.min(...y), Math.max(...y)];
     this.behind = this.front === this.rear && this.left > this.right;
     this.single = this.front === this.rear && this.left === this.right;
+    this.truck = new Set(x).size > 2;
+    Object.assign(this, explorer.Car.SIZES[this.truck ? "truck" : "car"]);
     this.shape = this.outline();
     this.seen = this.faces();
     this.group = svg("g", { class: "car" });
@@ -25,8 +27,8 @@ explorer.Car = class {
     const drawn = order.map((name) => {
       const spring = svg("path", { class: "spring" });
       const size = this.behind
-        ? { rx: 0.11, ry: explorer.Car.RADIUS }
-        : { rx: explorer.Car.RADIUS, ry: explorer.Car.RADIUS };
+        ? { rx: 0.11, ry: this.radius }
+        : { rx: this.radius, ry: this.radius };
       const hub = this.behind ? "" : svg("circle", { r: 0.13 });
       const wheel = svg("g", { class: "wheel" }, svg("ellipse", size), hub);
       this.wheels.set(name, { spring, wheel });
@@ -40,9 +42,14 @@ explorer.Car = class {
   // The picture's frame in metres: left, top, width, height (z up is minus).
   box(margin = 0.2) {
     const [side, up] = this.sides();
-    const reach = this.behind ? [this.right - 0.35, this.left + 0.35] : [this.rear - 0.75, this.front + 0.85 + side];
+    const reach = this.behind ? [this.right - 0.35, this.left + 0.35] : this.ends(side);
     const low = this.single ? [-0.7, 0.7] : reach;
-    return [low[0], -(1.4 + up + margin), low[1] - low[0], 1.4 + up + 2 * margin];
+    return [low[0], -(this.height + up + margin), low[1] - low[0], this.height + up + 2 * margin];
+  }
+
+  ends(side) {
+    const x = this.shape.map(([ahead]) => ahead);
+    return [Math.min(...x) - 0.09, Math.max(...x) + 0.15 + side];
   }
 
   sides() {
@@ -66,11 +73,11 @@ explorer.Car = class {
     }
     for (const [name, { spring, wheel }] of this.wheels) {
       const [x, y] = this.places[name];
-      const hub = explorer.Car.RADIUS + (wheels?.[name] ?? 0);
+      const hub = this.radius + (wheels?.[name] ?? 0);
       const [side, up] = this.behind ? [0, 0] : explorer.Car.DEPTH.map((by) => by * (y - this.right));
       const across = this.behind ? -y : x + side;
       wheel.setAttribute("transform", `translate(${across.toFixed(4)} ${(-(hub + up)).toFixed(4)})`);
-      const top = 0.62 + heave - pitch * x + roll * y + up;
+      const top = this.mount + heave - pitch * x + roll * y + up;
       spring.setAttribute("d", explorer.Car.coil(across, hub + up, top));
     }
   }
@@ -96,6 +103,18 @@ explorer.Car = class {
       ];
     }
     const [a, b] = [this.front, this.rear];
+    if (this.truck)
+      return [
+        [b - 1.1, 0.85],
+        [b - 1.1, 3.0],
+        [a - 0.75, 3.0],
+        [a - 0.75, 2.6],
+        [a + 0.6, 2.6],
+        [a + 0.9, 1.75],
+        [a + 0.9, 0.6],
+        [a + 0.6, 0.6],
+        [a + 0.6, 0.85],
+      ];
     const length = a - b;
     return [
       [b - 0.62, 0.42],

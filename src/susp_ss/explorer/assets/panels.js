@@ -261,8 +261,9 @@ explorer.panels = (() => {
     const stage = host.querySelector(".stage") ?? host.appendChild(html("div", { class: "stage" }));
     host.car = Object.keys(places).length ? new explorer.Car(places) : null;
     if (!host.car) return stage.replaceChildren();
-    const [left, , width] = host.car.box();
-    const box = [left - 0.6, -2.15, width + 1.2, 2.5];
+    const [left, top, width] = host.car.box();
+    const above = Math.min(-2.15, top);
+    const box = [left - 0.6, above, width + 1.2, 0.35 - above];
     const words = { role: "img", class: "ride", "aria-label": "The car over the bump" };
     host.road = svg("path", { class: "road" });
     host.ground = ground(bump, box, host.car);

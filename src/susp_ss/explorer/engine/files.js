@@ -109,6 +109,6 @@ const WRITERS = { csv: metricsTable, toml: vehicleFile, fmu: functionalMockUp, p
 function file(kind, state, query) {
   const car = carOf(state), needed = kind === "csv" || (kind === "fmu" && state.curve);
   const lacking = kind === "fmu" && !car.files.fmu ? WORDS.fmu : "";
-  const message = lacking || (needed ? refused(car, roadOf(state)) : ""), { name, type } = FILES[kind];
+  const message = car.impossible() || lacking || (needed ? refused(car, roadOf(state)) : ""), { name, type } = FILES[kind];
   return message ? { message } : { name, content: new Blob([WRITERS[kind](car, state, query)], { type }) };
 }

@@ -83,7 +83,7 @@ function modes(car) {
   const found = car.motions().sort((one, other) => modulus(one.rate) - modulus(other.rate));
   const own = assigned(found.map(({ shares }) => shares.map((share, j) => share + car.preferred(j))));
   return found.flatMap(({ rate, shape, shares }, i) => {
-    const name = car.slots[own[i] ?? shares.indexOf(Math.max(...shares))];
+    const name = car.slots[shares[own[i]] > UNMOVED ? own[i] : shares.indexOf(Math.max(...shares))];
     if (!car.coordinates.some(({ motion }) => motion === name)) return [];
     const most = shape.reduce((one, other) => (modulus(other) > modulus(one) ? other : one));
     const drawn = { wheels: {}, seats: {} };

@@ -114,7 +114,3 @@ function half(own, like) {
   }
   return { ...own, G, A, B, C, D: multiply(acceleration, moved), speeds, modes };
 }
-
-// Words with numbers in place of their names, and a number in so many digits.
-const filled = (words, numbers) => words.replace(/\{(\w+)\}/g, (_, name) => numbers[name]);
-const general = (x, digits) => String(Number(x.toPrecision(digits)));

@@ -70,7 +70,8 @@ class Ride {
 
   // Why there is nothing to be said of it at all, or nothing on any road.
   impossible() {
-    return "";
+    const { middle, a, b } = this.parameters;
+    return middle === undefined || (-a < middle && middle < b) ? "" : filled(WORDS.middle, { middle: general(middle, 6) });
   }
 
   unstable() {
@@ -176,6 +177,10 @@ class Ride {
     );
   }
 }
+
+// Words with numbers in place of their names, and a number in so many digits.
+const filled = (words, numbers) => words.replace(/\{(\w+)\}/g, (_, name) => numbers[name]);
+const general = (x, digits) => String(Number(x.toPrecision(digits)));
 
 // A real row times a complex vector.
 function applied(row, x) {
