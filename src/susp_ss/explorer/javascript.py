@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import inspect
 import json
-from collections.abc import Iterable
 from importlib import resources
 from typing import Any
 
@@ -34,8 +33,8 @@ from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.second_order import ROUNDING
 from ..vehicles.truck import OUTSIDE, ThreeAxleTruck
 from ..vehicles.vehicle import Vehicle, joined
-from . import motion, templates
-from .background import FACTORS, background, conditions
+from . import motion, search, templates
+from .background import FACTORS
 from .compute import SPEEDS
 from .described import described, placed, refusal
 from .moving import WORDS, moving, said
@@ -48,13 +47,11 @@ from .table import DESIGN, Choice, Number
 MODELS = ("full", "quarter", "pitch-half", "roll-half", "ride-handling", "three-axle")
 """Models that the engine knows."""
 
-SEARCHED = tuple(name for name in MODELS if name != "three-axle")
-"""Those whose `best` is written along; the front of six springs and dampers takes too long."""
-
 SOURCES = (
     *("algebra.js", "complex.js", "modes.js", "eigen.js", "covariance.js"),
     *("ride.js", "moving.js", "motion.js", "forms.js", "curves.js", "answers.js"),
-    *("zip.js", "fmu.js", "files.js"),
+    *("descent.js", "front.js", "decay.js", "passage.js", "shaping.js", "preview.js", "bound.js"),
+    *("background.js", "zip.js", "fmu.js", "files.js"),
 )
 
 # What JavaScript asks of an assembled car.
@@ -118,7 +115,7 @@ def model(name: str) -> str:
 
     def entry(key: str, car: Any, outputs: tuple[str, ...]) -> str:
         moves = isinstance(car, RideHandlingCar)
-        data = described(car, outputs) | (said(car) if moves else {})
+        data = described(car, outputs) | search.steered(car) | (said(car) if moves else {})
         data |= {"settings": known, "files": templates.of_vehicle(car)}
         return f"{json.dumps(key)}: {{ ...{json.dumps(data)},\nassemble: {(moving if moves else assembled)(car)} }}"
 
@@ -136,32 +133,9 @@ def numbers(name: str, table: str) -> list[Number]:
 
 
 def designs(name: str) -> list[dict[str, Any]]:
-    """Springs and dampers of a model as the page begins with them."""
+    """Springs and dampers of a model as the page begins with them, and their ranges."""
     rows = [row for row in numbers(name, "vehicle") if row.group in DESIGN]
-    return [{"key": row.key, "group": row.group, "value": row.default} for row in rows]
-
-
-def best(name: str) -> dict[str, Any] | None:
-    """The Pareto front and the active bound of a model as the page begins with it, and under what they hold, if any.
-
-    Root mean squares grow with the root of the road's roughness, so that one of these serves every roughness.
-    """
-    state = conditions(NOTHING.default(name))
-    found, own = background(state), {row["key"] for row in designs(name)}
-    if "front" not in found:
-        return None
-    return {
-        "conditions": {
-            "vehicle": {key: value for key, value in state["vehicle"].items() if key not in own},
-            "seat": state["seat"],
-            "road": {key: value for key, value in state["road"].items() if key != "roughness"},
-            "carpet": state["carpet"],
-            "curve": state["curve"],
-        },
-        "roughness": state["road"]["roughness"],
-        "front": found["front"]["points"],
-        "bound": found["bound"]["points"],
-    }
+    return [{"key": r.key, "group": r.group, "value": r.default, "least": r.least, "most": r.most} for r in rows]
 
 
 def wavinesses() -> list[float]:
@@ -171,17 +145,12 @@ def wavinesses() -> list[float]:
     return [round(row.least + i * row.step, 9) for i in range(steps + 1)]
 
 
-def engine(named: Iterable[str] = SEARCHED) -> str:
+def engine() -> str:
     """The engine as a script.
 
-    It sets ``dash_clientside.engine``, whose ``compute`` answers a state as `susp_ss.explorer.compute.compute` does,
-    ``background`` the carpet as `susp_ss.explorer.background.background` does; ``metrics`` are the numbers alone, and
-    ``file`` is what `susp_ss.explorer.downloads` writes.
-
-    Parameters
-    ----------
-    named : iterable of str
-        Models for which `best` is written along, which takes a second or some.
+    It sets ``dash_clientside.engine``: ``answer``, ``compute`` and ``background`` are those of `susp_ss.explorer`, of
+    which the last tells a second argument what is found so far; ``metrics`` are the numbers alone, and ``file`` is
+    what `susp_ss.explorer.downloads` writes.
     """
     grid = wavinesses()
     step = inspect.signature(obstacle).parameters["step"].default
@@ -201,7 +170,7 @@ def engine(named: Iterable[str] = SEARCHED) -> str:
         "REACTIONS": REACTIONS,
         "FACTORS": FACTORS.tolist(),
         "DESIGNS": {name: designs(name) for name in MODELS},
-        "BEST": {name: best(name) for name in named},
+        **search.constants(),
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
         | {"spacing": step},
         "CURVE": templates.curve()
@@ -209,7 +178,7 @@ def engine(named: Iterable[str] = SEARCHED) -> str:
         | {"middling": DamperCurve.middling, "resolved": motion.RESOLVED, "swinging": SWINGING},
         "FILES": templates.files(),
         "WORDS": {
-            "background": "front and best law: of the car and road as they begin; susp-ss explore has them of any",
+            **search.words(),
             "drifting": refusal(FullCar(), Road(waviness=3.0, tracks="independent")),
             "fmu": "no FMU of a car that moves here; susp-ss explore writes it",
             "unsettled": "dampers' linearisation did not settle; take gentler curves or a smoother road",

@@ -21,6 +21,11 @@ STEPS, SETTLED = 200, 1e-14
 # feels what fitted terms make of the ends of a spectrum.
 FELT, LOST = np.geomspace(0.1, 1e4, 200), 1e-5
 
+UNSHAPED = (
+    "the road's velocity has no minimum-phase filter with five digits behind it; pass a road of a waviness further "
+    "below 3"
+)
+
 # A white part below this share of the largest term is none.
 WHITE = 1e-14
 
@@ -76,10 +81,7 @@ def shaping(spectrum: Colours) -> Shaping:
         not np.abs(np.abs(factor) ** 2 - power).max() < np.inf
         or (np.abs(np.abs(factor) ** 2 / power - 1.0) > LOST).any()
     ):
-        raise ValueError(
-            "the road's velocity has no minimum-phase filter with five digits behind it; pass a road of a "
-            "waviness further below 3"
-        )
+        raise ValueError(UNSHAPED)
     return found
 
 

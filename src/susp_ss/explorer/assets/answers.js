@@ -16,13 +16,15 @@ explorer.answers = (() => {
     return answer.json();
   };
 
-  // A worker of its own for each kind of question, of which there is one at a time.
+  // A worker of its own for each kind of question, of which there is one at a time; what says that there is more to come
+  // is a part of the answer.
   function beside(name) {
-    const script = `(${explorer.beside})(); onmessage = ({ data }) => postMessage(dash_clientside.engine.${name}(data));`;
+    const answer = `postMessage(dash_clientside.engine.${name}(data, postMessage))`;
+    const script = `(${explorer.beside})(); onmessage = ({ data }) => ${answer};`;
     const worker = new Worker(URL.createObjectURL(new Blob([script], { type: "text/javascript" })));
-    return (question) =>
+    return (question, partly) =>
       new Promise((answered, failed) => {
-        worker.onmessage = ({ data }) => answered(data);
+        worker.onmessage = ({ data: { more, ...found } }) => (more ? partly : answered)(found);
         worker.onerror = ({ message }) => failed(new Error(message));
         worker.postMessage(question);
       });

@@ -278,15 +278,22 @@ explorer.page = (() => {
     return button;
   }
 
-  // One at a time here as well, and again where its conditions have moved on meanwhile.
+  // What the background hangs on.
+  function frame() {
+    const { bump, bode, ...conditions } = explorer.state.unsprung(here.state);
+    return keyOf(conditions);
+  }
+
+  // One at a time here as well, a part of its answer perhaps before the rest, and again where its conditions have moved
+  // on meanwhile.
   async function askSlowly() {
-    const { bump, bode, ...frame } = explorer.state.unsprung(here.state);
-    const key = keyOf(frame);
+    const key = frame();
     if (slowFlight !== null || key === background.key) return;
     slowFlight = key;
-    settled({ key: null, found: null });
+    settled({ key: null, found: null }, true);
+    const partly = (found) => frame() === key && settled({ key: null, found }, true);
     try {
-      settled({ key, found: await explorer.answers.slow(here.state) });
+      settled({ key, found: await explorer.answers.slow(here.state, partly) });
     } catch {
       settled({ key: null, found: { errors: [{ message: "no answer" }] } });
     } finally {
@@ -295,12 +302,12 @@ explorer.page = (() => {
     if (background.key) askSlowly();
   }
 
-  function settled(next) {
+  function settled(next, more = false) {
     background = next;
-    element("carpet").setAttribute("aria-busy", !next.found);
-    element("carpet-tools").dataset.said = next.found
-      ? next.found.errors.map(({ message }) => message).join("\n")
-      : "computing …";
+    element("carpet").setAttribute("aria-busy", more);
+    element("carpet-tools").dataset.said = more
+      ? "computing …"
+      : next.found.errors.map(({ message }) => message).join("\n");
     draw(["carpet"]);
   }
 

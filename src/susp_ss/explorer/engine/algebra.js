@@ -1,8 +1,13 @@
 // Dense linear algebra of small real matrices, arrays of rows.
 
+// Rows are plain arrays, of which engines of JavaScript make many small ones faster than of typed ones.
 function zeros(rows, columns) {
   const out = [];
-  for (let i = 0; i < rows; i++) out.push(new Float64Array(columns));
+  for (let i = 0; i < rows; i++) {
+    const row = [];
+    for (let j = 0; j < columns; j++) row.push(0.5); // What holds a fraction once is kept as one of doubles.
+    out.push(row.fill(0));
+  }
   return out;
 }
 
@@ -21,8 +26,8 @@ function dot(x, y) {
 }
 
 function times(A, x) {
-  const out = new Float64Array(A.length);
-  for (let i = 0; i < A.length; i++) out[i] = dot(A[i], x);
+  const out = [];
+  for (let i = 0; i < A.length; i++) out.push(dot(A[i], x));
   return out;
 }
 
@@ -34,8 +39,19 @@ function add(to, x, factor) {
 function multiply(A, B) {
   const out = zeros(A.length, B[0].length);
   for (let i = 0; i < A.length; i++) {
-    for (let k = 0; k < B.length; k++) if (A[i][k] !== 0) add(out[i], B[k], A[i][k]);
+    const to = out[i], row = A[i];
+    for (let k = 0; k < B.length; k++) {
+      const x = B[k], factor = row[k];
+      if (factor !== 0) for (let j = 0; j < to.length; j++) to[j] += factor * x[j];
+    }
   }
+  return out;
+}
+
+// A B^T.
+function across(A, B) {
+  const out = zeros(A.length, B.length);
+  for (let i = 0; i < A.length; i++) for (let j = 0; j < B.length; j++) out[i][j] = dot(A[i], B[j]);
   return out;
 }
 

@@ -89,37 +89,3 @@ function compared(state) {
 
 // The design that moves, and others under the same conditions.
 const answer = ({ state, pins }) => ({ found: compute(state), pins: pins.map(compared) });
-
-const agrees = (asked, given) => asked === given
-  || (asked instanceof Object && Object.entries(asked).every(([key, value]) => agrees(value, given?.[key])));
-
-// The front and the bound, where a state is what they were written for; both grow as every metric does with the road.
-function bestOf(state) {
-  const best = BEST[state.model];
-  if (best === null) return { errors: [] };
-  if (!best || !agrees(best.conditions, state)) return { errors: [{ parameter: "", message: WORDS.background }] };
-  const by = Math.sqrt(state.road.roughness / best.roughness);
-  const grown = (points) => ({ points: points.map((point) => point.map((value) => value * by)) });
-  return { front: grown(best.front), bound: grown(best.bound), errors: [] };
-}
-
-// Two metrics for every combination of springs and dampers about the model's own, as susp_ss.explorer.background says.
-function background(state) {
-  const own = DESIGNS[state.model], road = roadOf(state);
-  const bare = carOf(state), why = bare.impossible() || refused(bare, road);
-  if (why) return { errors: [{ parameter: "", message: why }] };
-  const named = (name) => bare.measured.findIndex((one) => one.name === name || one.name.startsWith(`${name}@`));
-  const [x, y] = [named(state.carpet.x), named(state.carpet.y)];
-  const designs = FACTORS.map((ks) => FACTORS.map((cs) => {
-    const by = { springs: ks, dampers: cs };
-    const moved = Object.fromEntries(own.map(({ key, group, value }) => [key, value * by[group]]));
-    const found = carOf({ ...state, vehicle: { ...state.vehicle, ...moved } }).metrics(road);
-    return [found[x], found[y]];
-  }));
-  const names = { x: bare.measured[x].name, y: bare.measured[y].name };
-  if (!designs.flat(2).every(Number.isFinite)) {
-    const message = `no carpet of ${names.x} and ${names.y}, which are infinite on this road`;
-    return { errors: [{ parameter: "", message }] };
-  }
-  return { carpet: { ...names, ks: FACTORS, cs: FACTORS, designs }, ...bestOf(state) };
-}

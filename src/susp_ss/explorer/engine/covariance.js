@@ -16,8 +16,7 @@ class Dynamics extends Modes {
     const A = zeros(2 * n, 2 * n);
     for (let i = 0; i < n; i++) {
       A[i][n + i] = 1;
-      A[n + i].set(this.K[i].map((k) => -k));
-      A[n + i].set(this.C[i].map((c) => -c), n);
+      for (let j = 0; j < n; j++) [A[n + i][j], A[n + i][n + j]] = [-this.K[i][j], -this.C[i][j]];
     }
     const found = eigenvalues(A).filter((rate) => creeping(rate) || rate.im > 0);
     const modes = found.map((rate, at) => this.polished(rate, at));

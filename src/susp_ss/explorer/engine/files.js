@@ -105,10 +105,12 @@ function metricsTable(car, state) {
 
 const WRITERS = { csv: metricsTable, toml: vehicleFile, fmu: functionalMockUp, py: pythonLines };
 
-// A file of a state, whose page has a query in its address; or a message why there is none.
+// A file of a state, whose page has a query in its address; or a message why there is none. A car that moves may be
+// written though nothing can be computed of it.
 function file(kind, state, query) {
-  const car = carOf(state), needed = kind === "csv" || (kind === "fmu" && state.curve);
-  const lacking = kind === "fmu" && !car.files.fmu ? WORDS.fmu : "";
-  const message = car.impossible() || lacking || (needed ? refused(car, roadOf(state)) : ""), { name, type } = FILES[kind];
+  const car = carOf(state), computed = kind === "csv" || kind === "fmu", { name, type } = FILES[kind];
+  const message = (computed || !car.moves ? car.impossible() : "")
+    || (kind === "fmu" && !car.files.fmu ? WORDS.fmu : "")
+    || (kind === "csv" || (kind === "fmu" && state.curve) ? refused(car, roadOf(state)) : "");
   return message ? { message } : { name, content: new Blob([WRITERS[kind](car, state, query)], { type }) };
 }

@@ -16,7 +16,7 @@ function realised(car) {
 }
 
 // A name for a text by which it is told from others: four of Fowler, Noll and Vo's hashes.
-function identity(text) {
+function fingerprint(text) {
   const hash = (seed) => {
     let found = seed;
     for (let i = 0; i < text.length; i++) found = Math.imul(found ^ text.charCodeAt(i), 16777619);
@@ -35,5 +35,5 @@ function functionalMockUp(car, state) {
     .forEach((row, i) => (gaps[`row ${i}`] = depends(row)));
   const texts = (guid) => Object.fromEntries(Object.entries(own.files.fmu[rates])
     .map(([path, text]) => [path, completed(text, (name) => (name === "guid" ? guid : gaps[name]))]));
-  return zipped({ ...texts(identity(Object.values(texts("")).join(""))), ...FILES.source });
+  return zipped({ ...texts(fingerprint(Object.values(texts("")).join(""))), ...FILES.source });
 }

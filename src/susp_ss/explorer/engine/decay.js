@@ -1,0 +1,94 @@
+// Stable linear systems x' = A x, and what white noise stirs up in them.
+
+// Doublings at most, and the size of a power whose square is rounding.
+const DOUBLINGS = 40, FORGOTTEN = 1e-9;
+
+function identity(n) {
+  const out = zeros(n, n);
+  for (let i = 0; i < n; i++) out[i][i] = 1;
+  return out;
+}
+
+function largest(A) {
+  let most = 0;
+  for (const row of A) for (let j = 0; j < row.length; j++) most = Math.max(most, Math.abs(row[j]));
+  return most;
+}
+
+// A^-1 by elimination with row pivots, and the logarithm of |det A|.
+function inverse(A) {
+  const n = A.length, left = zeros(n, 2 * n);
+  A.forEach((row, i) => {
+    row.forEach((one, j) => (left[i][j] = one));
+    left[i][n + i] = 1;
+  });
+  let size = 0;
+  for (let k = 0; k < n; k++) {
+    let pivot = k;
+    for (let i = k + 1; i < n; i++) if (Math.abs(left[i][k]) > Math.abs(left[pivot][k])) pivot = i;
+    [left[k], left[pivot]] = [left[pivot], left[k]];
+    const top = left[k], by = top[k];
+    size += Math.log(Math.abs(by));
+    for (let j = k; j < 2 * n; j++) top[j] /= by;
+    for (let i = 0; i < n; i++) {
+      const row = left[i], factor = row[k];
+      if (i === k || factor === 0) continue;
+      for (let j = k; j < 2 * n; j++) row[j] -= factor * top[j];
+    }
+  }
+  return { of: left.map((row) => row.slice(n)), size };
+}
+
+// The sum of A^k Q A^kT by Smith's doubling, A being Cayley's transform about the geometric mean of its eigenvalues.
+class Decay {
+  constructor(A) {
+    const pace = Math.exp(inverse(A).size / A.length);
+    const M = inverse(A.map((row, i) => row.map((one, j) => (i === j ? pace : 0) - one))).of;
+    let power = M.map((row, i) => row.map((one, j) => 2 * pace * one - (i === j ? 1 : 0)));
+    Object.assign(this, { A, M, pace, powers: [], passages: {}, resolvents: new Map() });
+    for (let k = 0; k < DOUBLINGS && largest(power) > FORGOTTEN; k++) {
+      this.powers.push(power);
+      power = multiply(power, power);
+    }
+    this.stable = largest(power) <= FORGOTTEN;
+  }
+
+  // X of A X + X A^T + Q = 0.
+  stirred(Q) {
+    return summed(this.M, this.powers, this.pace, Q);
+  }
+
+  // X of A^T X + X A + Q = 0.
+  told(Q) {
+    this.turned ??= [this.M, ...this.powers].map(transpose);
+    const [M, ...powers] = this.turned;
+    return summed(M, powers, this.pace, Q);
+  }
+
+  get inverse() {
+    return (this.undone ??= inverse(this.A).of);
+  }
+
+  // (rate I - A)^-1 and its transpose.
+  resolvent(rate) {
+    if (!this.resolvents.has(rate)) {
+      const { of } = inverse(this.A.map((row, i) => row.map((one, j) => (i === j ? rate : 0) - one)));
+      this.resolvents.set(rate, [of, transpose(of)]);
+    }
+    return this.resolvents.get(rate);
+  }
+
+  passage(T) {
+    return (this.passages[T] ??= new Passage(this.A, T));
+  }
+}
+
+function summed(M, powers, pace, Q) {
+  const X = across(multiply(M, Q), M);
+  for (const row of X) for (let j = 0; j < row.length; j++) row[j] *= 2 * pace;
+  for (const power of powers) {
+    const moved = multiply(power, X);
+    for (let i = 0; i < X.length; i++) for (let j = 0; j <= i; j++) X[j][i] = X[i][j] += dot(moved[i], power[j]);
+  }
+  return X;
+}

@@ -1,0 +1,85 @@
+"""Fronts and bounds of the engine in JavaScript beside the package's own, and beside what they must be."""
+
+import numpy as np
+import pytest
+
+import susp_ss as ss
+from susp_ss.explorer.background import background
+from susp_ss.explorer.design import road_of, vehicle_of
+from susp_ss.explorer.state import NOTHING
+
+
+def changed(model, road=None, carpet=None, seat=None, **vehicle):
+    state = NOTHING.default(model)
+    seat = seat and {row.key: row.default for row in NOTHING.tables[model] if row.table == "seat"} | seat
+    own = {name: (state[name] or {}) | (more or {}) for name, more in (("road", road), ("carpet", carpet))}
+    return state | own | {"vehicle": state["vehicle"] | vehicle, "seat": seat}
+
+
+STATES = [
+    changed("quarter", {"waviness": 2.4, "speed": 31.0}, ms=420.0, ks=30e3, seat={"mass": 90.0}),
+    changed("pitch-half", {"speed": 12.0}, {"x": "dtl@r"}, mb=800.0, a=1.2, mu_rear=60.0),
+]
+
+
+# Each bound may exceed its limits by a ten-thousandth.
+@pytest.mark.parametrize("state", STATES, ids=lambda state: state["model"])
+def test_fronts_and_bounds_are_those_of_the_package(ask, state):
+    (found,), expected = ask("background", [state]), background(state)
+    assert found["errors"] == expected["errors"] == []
+    np.testing.assert_allclose(found["carpet"]["designs"], expected["carpet"]["designs"], rtol=1e-8)
+    np.testing.assert_allclose(found["front"]["points"], expected["front"]["points"], rtol=1e-6)
+    np.testing.assert_allclose(found["bound"]["points"], expected["bound"]["points"], rtol=1e-4)
+
+
+def test_the_full_car(ask):
+    state = changed("full", {"speed": 25.0}, mb=1400.0, arb_front=12e3)
+    (found,) = ask("background", [state])
+    points, carpet = np.array(found["front"]["points"]), np.array(found["carpet"]["designs"]).reshape(-1, 2)
+    car, road = vehicle_of(state), road_of(state)
+    best = {
+        name: np.array([design[name] for design in found["front"]["designs"]]) for name in found["front"]["designs"][0]
+    }
+    metrics = ss.ride_metrics(car.replaced(**best), road)
+    own = np.stack([metrics.sws.sel(corner="fr"), metrics.bacc.sel(point="cg")], axis=-1)
+    np.testing.assert_allclose(points, own, rtol=1e-9)
+    beaten = (carpet[None] < points[:, None] * (1.0 - 1e-6)).all(axis=-1)
+    assert not beaten.any()
+    assert found["errors"] == []
+    middle = len(points) // 2
+    limits = {
+        f"{name}@{corner}": float(metrics[name].sel(corner=corner)[middle])
+        for name in ("sws", "dtl")
+        for corner in car.wheels
+    }
+    bound = ss.active_bound(car, road, "bacc@cg", limits).bound
+    np.testing.assert_allclose(found["bound"]["points"][middle], [points[middle, 0], bound], rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "state",
+    [
+        changed("quarter", carpet={"x": "bacc"}),
+        changed("quarter", carpet={"x": "dtl"}, ct=100.0),
+        changed("quarter", ct=100.0),
+        changed("quarter", carpet={"y": "damper_power"}),
+        changed("quarter", carpet={"x": "damper_power"}),
+        changed("full", {"tracks": "identical"}, {"x": "roll_acc"}),
+        changed("ride-handling"),
+    ],
+)
+def test_what_there_is_not_is_said_in_the_words_of_the_package(ask, state):
+    (found,), expected = ask("background", [state]), background(state)
+    assert found["errors"] == expected["errors"]
+    assert found.keys() == expected.keys()
+
+
+def test_parts_are_told_as_they_are_found(ask):
+    told = """(state) => {
+        const parts = [];
+        return [dash_clientside.engine.background(state, (part) => parts.push(part)), parts];
+    }"""
+    found, parts = ask.page.evaluate(told, changed("quarter", ms=400.0))
+    assert [set(part) for part in parts] == [{"carpet", "errors", "more"}, {"carpet", "front", "errors", "more"}]
+    assert set(found) == {"carpet", "front", "bound", "errors"}
+    assert all(part[name] == found[name] for part in parts for name in part.keys() - {"more"})
