@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import susp_ss as ss
+from susp_ss.explorer.background import Field, carpet
 from susp_ss.explorer.compute import compute
 from susp_ss.explorer.design import vehicle_of
 from susp_ss.explorer.javascript import MODELS, wavinesses
@@ -18,13 +19,13 @@ def numbers(model, table):
     return [row for row in NOTHING.tables[model] if isinstance(row, Number) and row.table == table]
 
 
-def drawn(rng, model, seat=False, **road):
+def drawn(rng, model, seat=False, curve=False, **road):
     """A state anywhere within its sliders; half of all cars have no tyre damping, which makes tyre loads infinite.
 
     Half of all axles have tyres that do not lag behind.
     """
     state = NOTHING.default(model)
-    for table in ("vehicle", "road", "bump", *(["seat"] if seat else [])):
+    for table in ("vehicle", "road", "bump", *(["seat"] if seat else []), *(["curve"] if curve else [])):
         own = {row.key: rng.uniform(row.least, row.most) for row in numbers(model, table)}
         state[table] = (state[table] or {}) | own
     if rng.random() < 0.5:
@@ -115,6 +116,47 @@ def test_whole_states(ask, model, seat):
         agree(found, expected, kept(1e-9, model, state["road"]["waviness"]), 1e-11)
 
 
+@pytest.mark.parametrize(
+    ("model", "seat", "tracks"),
+    [
+        ("full", False, "isotropic"),
+        ("full", True, "independent"),
+        ("quarter", True, "isotropic"),
+        ("pitch-half", False, "identical"),
+        ("roll-half", True, "isotropic"),
+    ],
+)
+def test_curves(ask, model, seat, tracks):
+    state = drawn(np.random.default_rng(3), model, seat, True, tracks=tracks, waviness=2.0, cutoff=0.0)
+    (found,) = ask("compute", [state])
+    expected = compute(state)
+    assert any(row["name"].startswith("ride_height_shift") for row in expected["metrics"])
+    shapes(found, expected)
+    agree(found, expected, 1e-9, 1e-11)
+
+
+def test_curves_that_are_straight_are_none(ask):
+    """A damper of one rate all over is linearised to it, and stepped over the bump as the modes go."""
+    straight = changed("full", cs_front=1300.0)
+    bent = straight | {"curve": {"rebound": 1.0, "compression": 1.0, "knee": 0.1, "beyond": 1.0}}
+    (expected, found) = ask("compute", [straight, bent])
+    shifts = [row.pop("value") for row in found["metrics"] if row["name"].startswith("ride_height_shift")]
+    np.testing.assert_allclose(shifts, 0.0, atol=1e-15)
+    assert [row["value"] for row in found["metrics"] if "value" in row] == pytest.approx(
+        [row["value"] for row in expected["metrics"]], rel=1e-9
+    )
+    shapes(found, expected)
+    for part in ("comfort", "bode", "psd", "modes", "bump"):
+        agree(found[part], expected[part], 1e-9, 1e-12)
+
+
+def test_the_carpet_of_curves(ask):
+    state = changed("quarter") | {"curve": {"rebound": 1.4, "compression": 0.8, "knee": 0.1, "beyond": 0.4}}
+    (found,) = ask("background", [state])
+    assert found["errors"] == []
+    agree(found["carpet"], carpet(Field(state, NOTHING))["carpet"], 1e-9)
+
+
 def shapes(found, expected):
     """Modes' shapes apart: they are the same but for a complex factor."""
     for one, other in zip(found["modes"], expected["modes"], strict=True):
@@ -192,3 +234,10 @@ def test_what_is_refused_is_said(ask):
         assert len(found["modes"]) >= 7
         assert ("warp" if state is steep else "waviness") in error["message"]
     assert "warp" in compute(steep)["errors"][0]["message"]
+
+
+def test_curves_without_variances_have_the_bump_alone(ask):
+    state = drawn(np.random.default_rng(2), "pitch-half", curve=True, waviness=2.013)
+    (found,) = ask("compute", [state])
+    assert {*found} == {"bump", "errors", "surrogates"}
+    assert "waviness" in found["errors"][0]["message"]

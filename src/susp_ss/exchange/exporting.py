@@ -105,26 +105,40 @@ def export(vehicle: RoadVehicle, path: str | PathLike[str], force: bool = False)
 
 
 def _fmu(model: Realised, name: str, target: Path) -> bytes:
-    from .. import __version__
-
     identifier = re.sub(r"\W", "_", target.stem, flags=re.ASCII)
     identifier = identifier if not identifier[:1].isdigit() else f"_{identifier}"
-    source = files(__package__).joinpath("fmi2.c").read_text(encoding="utf-8")
-    tool = f"susp_ss {__version__}"
     # The same vehicle under the same name is the same FMU.
-    unnamed = description(model, name, identifier, "", tool) + _tables(model, identifier, "") + source
+    unnamed = "".join(texts(model, name, identifier, "").values())
     guid = f"{{{uuid.UUID(hashlib.sha256(unnamed.encode()).hexdigest()[:32])}}}"
-    contents: dict[str, str | bytes] = {
-        "modelDescription.xml": description(model, name, identifier, guid, tool),
-        "sources/fmi2.c": source,
-        "sources/tables.h": _tables(model, identifier, guid),
-    }
+    contents: dict[str, str | bytes] = dict(texts(model, name, identifier, guid))
     contents |= _compiled(contents, identifier, target)
     archive = BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as file:
         for path, content in contents.items():
             file.writestr(zipfile.ZipInfo(path), content, zipfile.ZIP_DEFLATED)
     return archive.getvalue()
+
+
+def texts(model: Realised, name: str, identifier: str, guid: str) -> dict[str, str]:
+    """What an FMU holds but its binary: its description and its source, by their places in it.
+
+    Parameters
+    ----------
+    model : Realised
+    name : str
+        Of the model, as people read it.
+    identifier : str
+        Of the model, as C and the binary have it.
+    guid : str
+        Which sources these are.
+    """
+    from .. import __version__
+
+    return {
+        "modelDescription.xml": description(model, name, identifier, guid, f"susp_ss {__version__}"),
+        "sources/fmi2.c": files(__package__).joinpath("fmi2.c").read_text(encoding="utf-8"),
+        "sources/tables.h": _tables(model, identifier, guid),
+    }
 
 
 def _tables(model: Realised, identifier: str, guid: str) -> str:

@@ -36,7 +36,7 @@ def application(
     given : Given
         What the explorer was started with.
     served : bool
-        Whether a server answers; without one, the functions of `javascript.engine` do, and there are no files.
+        Whether a server answers; without one, the functions of `javascript.engine` do.
     slowly : callable, optional
         Stands for `background`, such as that of `Beside`.
 
@@ -50,7 +50,7 @@ def application(
 
     app = dash.Dash(__package__, title="susp_ss explorer", update_title="", add_log_handler=False)
     app.index_string = app.index_string.replace("{%favicon%}", ICON)
-    app.layout = layout(given, files=served)
+    app.layout = layout(given, served)
 
     start = dash.ClientsideFunction("explorer", "start")
     app.clientside_callback(start, dash.Input("table", "data"))

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
 
 from ..metrics.comfort import AXES
 from ..metrics.ride import ride_metrics
-from ..quantities import metric_and_place, signal
+from ..quantities import SHIFT, metric_and_place, signal
 from ..responses.excitation import processes
 from ..responses.positions import with_positions
 from ..roads.road import TRACKS, Road
 from ..vehicles.vehicle import Vehicle
+from .design import damper
 from .motion import motion_of
 from .rows import metrics_at_places, named
 from .spectra import own_name, response_unit, spectrum_unit, under
+from .table import takes_curve
 
 ROTATIONS = {"wroll": "roll_acc", "wpitch": "pitch_acc"}
 
@@ -47,7 +50,19 @@ def described(vehicle: Vehicle, asked: tuple[str, ...]) -> dict[str, Any]:
         "corners": list(vehicle.wheels),
         "axles": [wheel.axle for wheel in vehicle.wheels.values()],
         "coordinates": [{"motion": word, "at": at} for word, at in (motion_of(vehicle, q) for q in layout.coordinates)],
+        **(curved(vehicle) if takes_curve(vehicle) else {}),
         "placed": [{"at": at} for _, at in placed(vehicle)],
+    }
+
+
+def curved(vehicle: Any) -> dict[str, Any]:
+    """What dampers of curves need and add: the rows of their velocities, and how far they pump the body."""
+    layout, bent = vehicle.layout(), dataclasses.replace(vehicle, cs=damper(1e3, 1.0, 0.5, 0.1, 1.0))
+    shifts = [row for row in metrics_at_places(bent, Road()) if row.name.startswith(SHIFT.name)]
+    return {
+        "suspensions": vehicle.assemble().suspensions.tolist(),
+        "velocities": np.arange(len(layout.outputs))[layout.rates].tolist(),
+        "shifts": [row.described() for row in shifts],
     }
 
 

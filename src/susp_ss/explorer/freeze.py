@@ -40,17 +40,12 @@ explorer.beside();
 
 
 class Alone(Given):
-    """What an explorer without a server offers: the models that `javascript.engine` knows, with numbers for dampers."""
+    """What an explorer without a server offers: the models that `javascript.engine` knows."""
 
     @cached_property
     def models(self) -> dict[str, Any]:
         """Models by name."""
         return {name: car for name, car in super().models.items() if name in MODELS}
-
-    @cached_property
-    def tables(self) -> dict[str, Any]:
-        """For each model, what the page may set."""
-        return {name: tuple(row for row in rows if row.table != "curve") for name, rows in super().tables.items()}
 
 
 def freeze(folder: Path) -> Path:

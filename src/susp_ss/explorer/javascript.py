@@ -18,11 +18,14 @@ from scipy.special import gamma
 from ..metrics.comfort import AXES, REACTIONS
 from ..metrics.weightings import filter_of
 from ..quantities import signal
+from ..responses.covariance import linearisation
 from ..responses.excitation import DRIFT
 from ..responses.positions import form_with_positions
+from ..responses.simulation import SWINGING
 from ..roads.colours import COINCIDENT, colours
 from ..roads.obstacles import obstacle
 from ..roads.road import REFERENCE_WAVENUMBER, Road
+from ..vehicles.curves import DamperCurve
 from ..vehicles.full import FullCar
 from ..vehicles.handling_model import UNMOVED
 from ..vehicles.modes import SPLIT
@@ -30,7 +33,7 @@ from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.second_order import ROUNDING
 from ..vehicles.truck import OUTSIDE, ThreeAxleTruck
 from ..vehicles.vehicle import Vehicle, joined
-from . import motion, search
+from . import motion, search, templates
 from .background import FACTORS
 from .compute import SPEEDS
 from .described import described, placed, refusal
@@ -46,9 +49,9 @@ MODELS = ("full", "quarter", "pitch-half", "roll-half", "ride-handling", "three-
 
 SOURCES = (
     *("algebra.js", "complex.js", "modes.js", "eigen.js", "covariance.js"),
-    *("ride.js", "moving.js", "motion.js", "answers.js"),
+    *("ride.js", "moving.js", "motion.js", "forms.js", "curves.js", "answers.js"),
     *("descent.js", "front.js", "decay.js", "passage.js", "shaping.js", "preview.js", "bound.js"),
-    "background.js",
+    *("background.js", "zip.js", "fmu.js", "files.js"),
 )
 
 # What JavaScript asks of an assembled car.
@@ -112,10 +115,9 @@ def model(name: str) -> str:
 
     def entry(key: str, car: Any, outputs: tuple[str, ...]) -> str:
         moves = isinstance(car, RideHandlingCar)
-        data = json.dumps(
-            described(car, outputs) | search.steered(car) | (said(car) if moves else {}) | {"settings": known}
-        )
-        return f"{json.dumps(key)}: {{ ...{data},\nassemble: {(moving if moves else assembled)(car)} }}"
+        data = described(car, outputs) | search.steered(car) | (said(car) if moves else {})
+        data |= {"settings": known, "files": templates.of_vehicle(car)}
+        return f"{json.dumps(key)}: {{ ...{json.dumps(data)},\nassemble: {(moving if moves else assembled)(car)} }}"
 
     if not seat:
         return entry(name, bare, alone)
@@ -147,7 +149,8 @@ def engine() -> str:
     """The engine as a script.
 
     It sets ``dash_clientside.engine``: ``answer``, ``compute`` and ``background`` are those of `susp_ss.explorer`, of
-    which the last tells a second argument what is found so far; ``metrics`` are the numbers alone.
+    which the last tells a second argument what is found so far; ``metrics`` are the numbers alone, and ``file`` is
+    what `susp_ss.explorer.downloads` writes.
     """
     grid = wavinesses()
     step = inspect.signature(obstacle).parameters["step"].default
@@ -170,9 +173,15 @@ def engine() -> str:
         **search.constants(),
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
         | {"spacing": step},
+        "CURVE": templates.curve()
+        | {name.lower(): getattr(linearisation, name) for name in ("CONVERGED", "ROUNDS", "LONGEST", "STILL")}
+        | {"middling": DamperCurve.middling, "resolved": motion.RESOLVED, "swinging": SWINGING},
+        "FILES": templates.files(),
         "WORDS": {
             **search.words(),
             "drifting": refusal(FullCar(), Road(waviness=3.0, tracks="independent")),
+            "fmu": "no FMU of a car that moves here; susp-ss explore writes it",
+            "unsettled": "dampers' linearisation did not settle; take gentler curves or a smoother road",
             "middle": f"{ThreeAxleTruck.__name__}{OUTSIDE}",
             **words(),
             "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
@@ -183,5 +192,5 @@ def engine() -> str:
     sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
     return (
         f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
-        "(globalThis.dash_clientside ??= {}).engine = { answer, compute, background, metrics };\n})();\n"
+        "(globalThis.dash_clientside ??= {}).engine = { answer, compute, background, file, metrics };\n})();\n"
     )

@@ -44,18 +44,21 @@ DOWNLOADS = {
 """Kinds of files: word on the button and what it is."""
 
 
-ELSEWHERE = "Files, damper curves, cars of your own: susp-ss explore"
-"""What a page without a server says in place of its downloads."""
+ELSEWHERE = "FMUs have C source alone here; with a binary, and for cars of your own: susp-ss explore"
+"""What a page without a server says beside its downloads."""
 
 
-def layout(given: Given, files: bool = True) -> Any:
-    """The page: the store ``table``, which its scripts begin with, and what they fill. ``files`` are to download."""
+def layout(given: Given, served: bool = True) -> Any:
+    """The page: the store ``table``, which its scripts begin with, and what they fill.
+
+    Where it is not ``served``, it says what it lacks.
+    """
     from dash import dcc, html
 
     return html.Div(
         [
             dcc.Store(id="table", data=given.document() | {"words": _words(given)}),
-            html.Header(_header(files), id="head"),
+            html.Header(_header(served), id="head"),
             html.Ul(id="errors", role="alert"),
             html.Aside([html.Div(id="sliders")], id="controls", **_aria(label="Sliders")),
             html.Main(
@@ -69,7 +72,7 @@ def layout(given: Given, files: bool = True) -> Any:
     )
 
 
-def _header(files: bool) -> list[Any]:
+def _header(served: bool) -> list[Any]:
     from dash import html
 
     def button(name: str, text: str, words: str) -> Any:
@@ -77,14 +80,15 @@ def _header(files: bool) -> list[Any]:
 
     kinds = [button(f"download-{kind}", text, f"Download: {words}") for kind, (text, words) in DOWNLOADS.items()]
     downloads = html.Div([html.Span("Download", className="quiet"), *kinds], id="downloads")
-    elsewhere = html.Span(ELSEWHERE, className="quiet", id="elsewhere")
+    elsewhere = [] if served else [html.Span(ELSEWHERE, className="quiet", id="elsewhere")]
     return [
         html.H1("susp_ss explorer"),
         html.Label(["Model", html.Span(id="models")]),
         html.Div([button("undo", "Undo", "Undo (Ctrl+Z)"), button("redo", "Redo", "Redo (Ctrl+Shift+Z)")]),
         html.Div([button("pin", "Pin design", "Pin this design and compare others with it")]),
         html.Ul(id="pins", **_aria(label="Pinned designs")),
-        downloads if files else elsewhere,
+        downloads,
+        *elsewhere,
     ]
 
 

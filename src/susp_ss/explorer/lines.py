@@ -31,17 +31,21 @@ def lines(state: Mapping[str, Any], given: Given = NOTHING) -> str:
     vehicle, road = vehicle_of(state, given), unfitted(road_of(state, given))
     if isinstance(vehicle, LinearVehicle):
         raise ValueError("the system of a file has no parameters, from which lines could make it again")
-    bump = state["bump"]
-    low, high, count = FREQUENCIES
     straight = "ss.linearised(vehicle, road)" if vehicle.curved else "vehicle"
+    return script(query(state, given), code(vehicle), code(road), straight, **state["bump"])
+
+
+def script(query: str, vehicle: str, road: str, straight: str, height: float, length: float, speed: float) -> str:
+    """The lines, with the code of a vehicle, of a road and of the vehicle without curves, and a bump."""
+    low, high, count = FREQUENCIES
     return "\n".join(
         [
-            f"# susp-ss explore, /?{query(state, given)}".removesuffix("?"),
+            f"# susp-ss explore, /?{query}".removesuffix("?"),
             "import numpy as np",
             "import susp_ss as ss",
             "",
-            f"vehicle = {code(vehicle)}",
-            f"road = {code(road)}",
+            f"vehicle = {vehicle}",
+            f"road = {road}",
             "metrics = ss.ride_metrics(vehicle, road)",
             f"straight = {straight}",
             "comfort = ss.comfort(straight, road)",
@@ -49,8 +53,8 @@ def lines(state: Mapping[str, Any], given: Given = NOTHING) -> str:
             "response = ss.frequency_response(straight, frequency)",
             "spectrum = ss.psd(straight, road, frequency)",
             "modes = straight.modes()",
-            f"bump = ss.obstacle('bump', height={bump['height']!r}, length={bump['length']!r})",
-            f"ride = ss.simulate(vehicle, bump, speed={bump['speed']!r}, positions=True)",
+            f"bump = ss.obstacle('bump', height={height!r}, length={length!r})",
+            f"ride = ss.simulate(vehicle, bump, speed={speed!r}, positions=True)",
             "print(metrics, comfort, sep='\\n')",
             "",
         ]

@@ -271,15 +271,22 @@ explorer.page = (() => {
     }
   }
 
-  // What the server makes of this design, without the pins; it says where it cannot.
+  // What the engine or the server makes of this design, without the pins; it says where it cannot.
   async function download(kind) {
-    const answer = await fetch(`download/${kind}?${explorer.state.write({ ...here, pins: [] })}`);
-    if (!answer.ok) return refuse("download", await answer.text());
-    refuse("download", "");
-    const name = answer.headers.get("Content-Disposition").match(/filename="(.*)"/)[1];
-    const href = URL.createObjectURL(await answer.blob());
+    const query = explorer.state.write({ ...here, pins: [] }), { engine } = dash_clientside;
+    const { name, content, message } = await (engine ? engine.file(kind, here.state, query) : served(kind, query));
+    refuse("download", message);
+    if (message) return;
+    const href = URL.createObjectURL(content);
     explorer.save(href, name);
     URL.revokeObjectURL(href);
+  }
+
+  async function served(kind, query) {
+    const answer = await fetch(`download/${kind}?${query}`);
+    if (!answer.ok) return { message: await answer.text() };
+    const name = answer.headers.get("Content-Disposition").match(/filename="(.*)"/)[1];
+    return { name, content: await answer.blob() };
   }
 
   function player() {

@@ -1,11 +1,12 @@
 // What the page asks: everything that it shows of a state, as susp_ss.explorer.compute says it.
 
 // The car of a state: what it sets, at the wheels that it means.
-function carOf({ model, vehicle, seat, road }) {
+function carOf({ model, vehicle, seat, curve, road }) {
   const kind = seat ? `${model}, seated` : model, { settings } = MODELS[kind], parameters = {};
   const set = (parameter, value) => (parameters[parameter] = value);
   for (const [name, value] of Object.entries(vehicle)) settings.vehicle[name].forEach((one) => set(one, value));
   for (const [name, value] of Object.entries(seat ?? {})) set(settings.seat[name], value);
+  if (curve) return new CurvedCar(kind, parameters, curve);
   return MODELS[kind].moves ? new MovingCar(kind, { ...parameters, speed: road.speed }) : new Car(kind, parameters);
 }
 
@@ -21,20 +22,20 @@ const finite = (value) => (Number.isFinite(value) ? value : null);
 function refused(car, road) {
   if (!(road.waviness in GAMMA)) return WORDS.waviness;
   const unstable = car.unstable();
-  if (unstable || road.cutoff) return unstable;
-  for (const process of car.processes[road.tracks]) {
+  if (unstable) return unstable;
+  for (const process of road.cutoff ? [] : car.processes[road.tracks]) {
     const { rates, drift } = car.integrated(process), near = process.sign < 0 && road.waviness < 3;
     const steep = road.waviness >= 3 && process.sign === 0;
     const which = drift.map((one, k) => (one !== 0 && !near) || (steep && rates.some((row) => row[k] !== 0)));
     if (which.some(Boolean)) return car.drifting(which);
   }
-  return "";
+  return car.at(road).unstable();
 }
 
 function overSpeed(car, road) {
   const described = ({ name, label, unit }) => ({ name, label, unit }), own = car.metrics(road);
   const found = { metrics: car.measured.map((one, i) => ({ ...described(one), value: finite(own[i]) })) };
-  const cars = SPEEDS.map((speed) => car.at(speed)), why = cars.map((one) => one.unstable()).find(Boolean);
+  const cars = SPEEDS.map((speed) => car.at({ ...road, speed })), why = cars.map((one) => one.unstable()).find(Boolean);
   if (why) return { ...found, errors: [{ parameter: "", message: why }] };
   const values = cars.map((one, i) => one.metrics({ ...road, speed: SPEEDS[i] }));
   const over = car.measured.map((one, i) => ({ ...described(one), values: values.map((some) => finite(some[i])) }));
@@ -72,9 +73,12 @@ function compute(state) {
   const car = carOf(state), road = roadOf(state), never = car.impossible(), why = never || refused(car, road);
   const found = { errors: why ? [{ parameter: "", message: why }] : [], surrogates: [] };
   if (never) return found;
-  if (!why) Object.assign(found, overSpeed(car, road), { comfort: comfort(car, road) });
-  if (road.waviness in GAMMA) Object.assign(found, overFrequency(car, road, state.bode));
-  return Object.assign(found, { modes: modes(car), bump: bump(car.at(state.bump.speed), state.bump) });
+  // What curves come to depends on the road.
+  const own = why && state.curve ? null : car.at(road);
+  if (!why) Object.assign(found, overSpeed(car, road), { comfort: comfort(own, road) });
+  if (own && road.waviness in GAMMA) Object.assign(found, overFrequency(own, road, state.bode));
+  if (own) found.modes = modes(own);
+  return Object.assign(found, { bump: car.over(state.bump) });
 }
 
 // What the page shows of a design to compare with.

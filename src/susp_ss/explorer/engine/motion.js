@@ -132,49 +132,63 @@ function assigned(rows) {
   return found;
 }
 
-// Where everything is while the car drives over a haversine bump on both tracks, heights linear between its points.
-function bump(car, { height, length, speed }) {
-  const { dynamics, axles, positions } = car, pieces = Math.ceil(length / BUMP.spacing - 1e-9);
+// The way of a car over a haversine bump on both tracks, heights linear between its points: steps, and which are shown.
+function wayOver({ axles, behind }, { height, length, speed }) {
+  const pieces = Math.ceil(length / BUMP.spacing - 1e-9);
   const point = (k) => 0.5 * height * (1 - Math.cos((2 * Math.PI * k) / pieces));
   const ground = (x) => {
     const at = Math.min(Math.max((x / length) * pieces, 0), pieces), k = Math.min(Math.floor(at), pieces - 1);
     return point(k) + (at - k) * (point(k + 1) - point(k));
   };
   const step = Math.min(BUMP.step, length / speed / BUMP.over);
-  const way = (BUMP.before + BUMP.after) * speed + length + car.behind.at(-1);
+  const way = (BUMP.before + BUMP.after) * speed + length + behind.at(-1);
   const steps = Math.floor(way / (speed * step) + 1e-6);
-  const every = Math.max(1, Math.floor((steps + 1) / BUMP.shown));
-  const heights = (i) => axles.map((axle) => ground((i * step - BUMP.before) * speed - car.behind[axle]));
-  const { rates } = dynamics, into = car.entering.map((one) => dynamics.amplitudes(one));
-  const free = rates.map((rate) => exponential(scaled(rate, step)));
-  const driven = rates.map((rate, k) => {
-    const gain = meanExponential(scaled(rate, step), complex(0));
-    return into.map((one) => product(one[k], gain));
-  });
-  const felt = car.measured[0].row, found = { t: [], x: [], body: {}, wheels: {}, seats: {}, ground: {}, acceleration: [] };
+  const heights = (i) => axles.map((axle) => ground((i * step - BUMP.before) * speed - behind[axle]));
+  return { speed, step, steps, every: Math.max(1, Math.floor((steps + 1) / BUMP.shown)), heights };
+}
+
+// Where everything is on a way, as a drive says it, which goes on by the rise of the heights z.
+function recorded(car, { speed, step, steps, every, heights }, drive) {
+  const found = { t: [], x: [], body: {}, wheels: {}, seats: {}, ground: {}, acceleration: [] };
   const put = (at, place, value) => (at[place] ??= []).push(value);
-  let amplitudes = rates.map(() => complex(0)), z = heights(0);
-  for (let i = 0; ; i++) {
+  for (let i = 0, z = heights(0); ; i++) {
     if (i % every === 0) {
-      const still = dot(car.on_integrators[felt], times(car.integrators, z));
       found.t.push(i * step - BUMP.before);
       found.x.push((i * step - BUMP.before) * speed);
-      positions.forEach(({ at: [group, place], seen, carried }) =>
-        put(found[group], place, dynamics.real(seen, amplitudes) + dot(carried, z)),
-      );
+      car.placed.forEach(({ at: [group, place] }, row) => put(found[group], place, drive.place(row, z)));
       car.corners.forEach((corner, wheel) => put(found.ground, corner, z[wheel]));
-      found.acceleration.push(dynamics.real(car.seen[felt], amplitudes) + still);
+      found.acceleration.push(drive.acceleration(z));
     }
     if (i === steps) return found;
-    const next = heights(i + 1), rise = next.map((one, wheel) => one - z[wheel]);
-    amplitudes = amplitudes.map((one, k) => {
-      const moved = product(free[k], one);
-      driven[k].forEach((gain, wheel) => {
-        moved.re += gain.re * rise[wheel];
-        moved.im += gain.im * rise[wheel];
-      });
-      return moved;
-    });
+    const next = heights(i + 1);
+    drive.on(z, next.map((one, wheel) => one - z[wheel]));
     z = next;
   }
+}
+
+// Where everything is while the car drives over a bump.
+function bump(car, asked) {
+  const way = wayOver(car, asked), { dynamics, positions } = car, { rates } = dynamics, felt = car.measured[0].row;
+  const into = car.entering.map((one) => dynamics.amplitudes(one));
+  const free = rates.map((rate) => exponential(scaled(rate, way.step)));
+  const driven = rates.map((rate, k) => {
+    const gain = meanExponential(scaled(rate, way.step), complex(0));
+    return into.map((one) => product(one[k], gain));
+  });
+  let amplitudes = rates.map(() => complex(0));
+  return recorded(car, way, {
+    place: (row, z) => dynamics.real(positions[row].seen, amplitudes) + dot(positions[row].carried, z),
+    acceleration: (z) =>
+      dynamics.real(car.seen[felt], amplitudes) + dot(car.on_integrators[felt], times(car.integrators, z)),
+    on(_, rise) {
+      amplitudes = amplitudes.map((one, k) => {
+        const moved = product(free[k], one);
+        driven[k].forEach((gain, wheel) => {
+          moved.re += gain.re * rise[wheel];
+          moved.im += gain.im * rise[wheel];
+        });
+        return moved;
+      });
+    },
+  });
 }

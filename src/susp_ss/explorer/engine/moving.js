@@ -43,7 +43,7 @@ class MovingCar extends Ride {
     return total;
   }
 
-  at(speed) {
+  at({ speed }) {
     return speed === this.parameters.speed ? this : new MovingCar(this.model, { ...this.parameters, speed }, this);
   }
 

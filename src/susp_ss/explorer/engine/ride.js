@@ -83,8 +83,13 @@ class Ride {
     return WORDS.drifting;
   }
 
+  // The car of numbers that it is on a road.
   at() {
     return this;
+  }
+
+  over(asked) {
+    return bump(this.at(asked), asked);
   }
 
   // How a process moves the modes by each of its axles.
