@@ -35,40 +35,51 @@ class History(NamedTuple):
     damping: Array
 
 
+class Bends(NamedTuple):
+    """What curves push more than numbers in their place: ``slopes m + on_bends s(m) - at_rest`` of motions m (q, ...).
+
+    ``s`` are whatever the `bend` makes of the motions: of straight pieces how far each is beyond the kinks.
+    """
+
+    bend: Callable[[Array], Array]
+    slopes: Array
+    on_bends: Array
+    at_rest: Array
+
+    def push(self, motion: Array) -> Array:
+        """Forces (q, ...)."""
+        many = (-1,) + (1,) * (motion.ndim - 1)
+        straight = self.slopes.reshape(many) * motion - self.at_rest.reshape(many)
+        return np.asarray(straight + np.tensordot(self.on_bends, self.bend(motion), axes=1))
+
+
 class Stepper:
     """One vehicle of numbers and curves, ready to be driven in steps of ``h`` seconds."""
 
     def __init__(self, vehicle: Vehicle, h: float, positions: bool = False):
         self.dampers, self.springs = vehicle.at_wheels("cs"), vehicle.at_wheels("ks")
         straight = vehicle.middling()
-        self.first_cs, self.first_ks = straight.at_wheels("cs"), straight.at_wheels("ks")
+        first_cs, self.first_ks = straight.at_wheels("cs"), straight.at_wheels("ks")
         model = straight.assemble()
         self.h, table = h, model.layout.outputs
         form = form_with_positions(model, straight) if positions else model.displacement_form()
         P, D_u = model.actuated()
         D_u = joined([D_u, np.zeros((form[2].shape[-2] - len(table), D_u.shape[-1]))], -2)
         forms = (*form, P, D_u)
-        self.A, self.B, self.Y, self.D, self.D1, self.P, self.D_u = (x.reshape(x.shape[-2:]) for x in forms)
+        self.A, self.B, self.Y, self.D, self.D1, P, D_u = (x.reshape(x.shape[-2:]) for x in forms)
         self.travel, self.rate = (np.arange(len(table))[table.of(name)] for name in ("sws", "sws_rate"))
-        self.seen = np.concatenate([self.travel, self.rate])
-        # Corners with curves, of travels (0) or rates (1), and what they push.
-        self.curves = [
-            (field, at, _beyond(curve, number))
-            for field, (values, numbers) in enumerate(((self.springs, self.first_ks), (self.dampers, self.first_cs)))
-            for at, curve, number in _grouped(values, numbers)
+        # Motions along a curve, travels and rates, with the corner where each is.
+        curves = [
+            (row, corner, curve, number)
+            for rows, values, numbers in (
+                (self.travel, self.springs, self.first_ks),
+                (self.rate, self.dampers, first_cs),
+            )
+            for corner, (row, curve, number) in enumerate(zip(rows, values, numbers, strict=True))
+            if isinstance(curve, Curve)
         ]
-
-    def beyond(self, motion: Array) -> Array:
-        """What curves push more than the numbers in their place, (corners, ...), at travels and rates ``seen``."""
-        corners = len(self.dampers)
-        motions = motion[:corners], motion[corners:]
-        if len(self.curves) == 1 and isinstance(self.curves[0][1], slice):
-            ((field, _, push),) = self.curves
-            return push(motions[field])
-        u = np.zeros_like(motions[0])
-        for field, at, push in self.curves:
-            u[at] += push(motions[field][at])
-        return u
+        self.seen, at = (np.array([one[i] for one in curves]) for i in range(2))
+        self.bends, self.P, self.D_u = _bends([one[2:] for one in curves]), P[:, at], D_u[:, at]
 
     def rest(self, z: Array) -> Array:
         """The state (2n,) standing still on heights (inputs,)."""
@@ -76,89 +87,116 @@ class Stepper:
         linear, pushed = -inverse @ (self.B @ z), -inverse @ self.P
         on_springs = self.Y[self.travel]
         at = on_springs @ linear + self.D[self.travel] @ z
-        B = -on_springs @ pushed
+        sprung = np.isin(self.seen, self.travel)
+        corners = np.searchsorted(self.travel, self.seen[sprung])
+        B = np.zeros((len(at), len(at)))
+        B[:, corners] = -on_springs @ pushed[:, sprung]
         first, nothing = list(self.first_ks), np.zeros((1, len(at)))
+        motion = np.zeros(len(self.seen))
         travel = balanced(B[None], self.springs, first, STILL + nothing, nothing, at[None])[0]
-        return linear + pushed @ self.beyond(np.concatenate([travel, np.zeros_like(travel)]))
+        motion[sprung] = travel[corners]
+        return np.asarray(linear + pushed @ self.bends.push(motion))
 
     def drive(self, z: Array, x: Array) -> History:
         """Drive over heights z (inputs, T, ...) from states x (2n, ...)."""
-        linear, by_heights, on_middle, by_first, on_end = self._ahead(z)
-        many, states = len(self.seen), np.empty((z.shape[1], *x.shape))
+        linear, on_heights, on_bends = self._ahead()
+        many, bend = len(self.seen), self.bends.bend
+        steps = np.concatenate([z[:, :-1], np.diff(z, axis=1), np.ones_like(z[:1, :-1])])
+        by_heights = np.moveaxis(np.tensordot(on_heights, steps, axes=1), 1, 0)
+        states = np.empty((z.shape[1], *x.shape))
         states[0] = x
-        for k in range(len(by_heights)):
+        for k, heights in enumerate(by_heights):
             # `dot`, which costs a third of what `@` does for so small arrays.
-            ahead = linear.dot(x) + by_heights[k]
-            in_middle, at_end = ahead[many : 2 * many], ahead[2 * many : 3 * many]
-            u = self.beyond(ahead[:many])
-            u_a = self.beyond(in_middle + on_middle.dot(u))
-            u_b = self.beyond(in_middle + on_middle.dot(u_a))
-            u_c = self.beyond(at_end + by_first.dot(u) + on_middle.dot(2.0 * u_b))
-            x = ahead[3 * many :] + on_end.dot(np.concatenate([u, u_a + u_b, u_c]))
-            states[k + 1] = x
+            ahead = linear.dot(x) + heights
+            for on_later in on_bends:
+                ahead = ahead[many:] + on_later.dot(bend(ahead[:many]))
+            states[k + 1] = x = ahead
 
         y = np.tensordot(self.Y, states, axes=(1, 1)) + np.tensordot(self.D, z, axes=1)
         if np.any(self.D1):
             y += np.tensordot(self.D1, np.gradient(z, self.h, axis=1), axes=1)
-        y += np.tensordot(self.D_u, self.beyond(y[self.seen]), axes=1)
+        y += np.tensordot(self.D_u, self.bends.push(y[self.seen]), axes=1)
         damping = [
             c.force(v) if isinstance(c, Curve) else c * v for c, v in zip(self.dampers, y[self.rate], strict=True)
         ]
         return History(y, np.stack(damping))
 
-    def _ahead(self, z: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """What the state at the start of a step makes ahead of it, what heights z add (T - 1, ...), and pushes.
+    def _ahead(self) -> tuple[Array, Array, list[Array]]:
+        """What a step comes to: motions along curves at its start, twice in its middle and at its end, then the state.
 
-        First and second what curves meet at the start, in the middle and at the end as long as they do not push, and
-        the state at the end. Then of pushes: on the middle, on the end by the first guess, and on the state at the end
-        by those at the start, in the middle and at the end.
+        By the state at its start, by heights there, their rise and one, and by the bends of each of these motions, on
+        all that comes after.
         """
         whole, half = (held(self.A, np.concatenate([self.B, self.P], axis=1), h, 3) for h in (self.h, 0.5 * self.h))
         wheels, E, D = len(self.B.T), self.Y[self.seen], self.D[self.seen]
-        free, (hold, ramp, bend) = whole[0], (gain[:, wheels:] for gain in whole[1:])
-        half_free, half_hold = half[0], half[1][:, wheels:]
-        linear = np.concatenate([E, E @ half_free, E @ half_free @ half_free, free])
+        free, (hold, ramp, bend) = half[0], (gain[:, wheels:] for gain in whole[1:])
+        level, rising, half_hold = half[1][:, :wheels], 0.5 * half[2][:, :wheels], half[1][:, wheels:]
+        slopes, on_bends, at_rest = self.bends[1:]
 
-        # Heights over a step are their start and a rise, half of it over either half.
-        level, rising = half[1][:, :wheels], 0.5 * half[2][:, :wheels]
-        nothing, rate = np.zeros_like(D), self.D1[self.seen] / self.h
-        of_level = [nothing, E @ level, E @ (level + half_free @ level)]
-        of_rise = [nothing, 0.5 * D + E @ rising, D + E @ (0.5 * level + rising + half_free @ rising)]
-        by_level = np.concatenate([*(D + x for x in of_level), whole[1][:, :wheels]])
-        by_rise = np.concatenate([*(rate + x for x in of_rise), whole[2][:, :wheels]])
-        steps = np.concatenate([z[:, :-1], np.diff(z, axis=1)])
-        by_heights = np.moveaxis(np.tensordot(np.concatenate([by_level, by_rise], axis=1), steps, axes=1), 1, 0)
-        on_middle, by_first = E @ half_hold, E @ (half_free @ half_hold - half_hold)
-        on_end = np.concatenate([hold - 3.0 * ramp + 2.0 * bend, 2.0 * ramp - 2.0 * bend, 2.0 * bend - ramp], axis=1)
-        return linear, by_heights, on_middle, by_first, on_end
+        # Everything as rows by what it is linear in.
+        sizes = np.cumsum([len(free), wheels, wheels, 1, *[on_bends.shape[1]] * 4])
+        x, z, rise, one, *bent = np.split(np.eye(sizes[-1]), sizes[:-1])
 
+        def halfway(x: Array, z: Array) -> Array:
+            return np.asarray(free @ x + level @ z + rising @ rise)
 
-def _beyond(curve: Curve, number: Any) -> Callable[[Array], Array]:
-    """What a curve pushes more than a number in its place, of motions (corners, ...)."""
-    law, leaves = curve.law, curve.leaves()
-    if not isinstance(law, Broken) or not all(np.size(leaf) == 1 for leaf in [*leaves, number]):
-        return lambda motion: np.asarray(curve.force(motion) - number * motion)
-    kinks, slopes, (factor, linear) = (
-        np.array([*map(np.ravel, some)]).ravel() for some in (law.kinks, law.slopes, (curve.factor, number))
-    )
-    rises = factor * np.diff(slopes)
-    slope, at_rest = factor * slopes[0] - linear, rises @ np.maximum(-kinks, 0.0)
+        def seen(x: Array, z: Array) -> Array:
+            return np.asarray(E @ x + D @ z + self.D1[self.seen] @ rise / self.h)
 
-    def push(motion: Array) -> Array:
-        return np.asarray(slope * motion + (np.maximum(motion[..., None] - kinks, 0.0).dot(rises) - at_rest))
+        def push(motion: Array, bent: Array) -> Array:
+            return np.asarray(slopes[:, None] * motion + on_bends @ bent - at_rest[:, None] * one)
 
-    return push
+        middle = halfway(x, z)
+        end = halfway(middle, z + 0.5 * rise)
+        motions = [seen(x, z)]
+        u = push(motions[0], bent[0])
+        motions.append(seen(middle + half_hold @ u, z + 0.5 * rise))
+        u_a = push(motions[1], bent[1])
+        motions.append(seen(middle + half_hold @ u_a, z + 0.5 * rise))
+        u_b = push(motions[2], bent[2])
+        motions.append(seen(end + free @ half_hold @ u + half_hold @ (2.0 * u_b - u), z + rise))
+        u_c = push(motions[3], bent[3])
+        after = (hold - 3.0 * ramp + 2.0 * bend) @ u + 2.0 * (ramp - bend) @ (u_a + u_b) + (2.0 * bend - ramp) @ u_c
+        linear, on_heights, *on_bent = np.split(np.concatenate([*motions, end + after]), sizes[[0, *range(3, 7)]], 1)
+        return linear, on_heights, [part[(i + 1) * len(E) :].copy() for i, part in enumerate(on_bent)]
 
 
-def _grouped(values: tuple[Any, ...], numbers: tuple[Any, ...]) -> list[tuple[Any, Curve, Any]]:
-    """Corners that have a curve, those with one and the same together, the curve, and the number in its place."""
+def _bends(curves: list[tuple[Curve, Any]]) -> Bends:
+    """What curves push more than the numbers in their place, each along a motion of its own."""
+    many = len(curves)
+    laws = [c.law for c, k in curves if isinstance(c.law, Broken) and all(np.size(x) == 1 for x in (*c.leaves(), k))]
+    if len(laws) < many:
+        alike = _grouped(curves)
+
+        def push(motion: Array) -> Array:
+            u = np.empty_like(motion)
+            for at, curve, number in alike:
+                u[at] = curve.force(motion[at]) - number * motion[at]
+            return u
+
+        return Bends(push, np.zeros(many), np.eye(many), np.zeros(many))
+    kinks = np.full((max(len(law.kinks) for law in laws), many), np.inf)
+    rises, slopes = np.zeros_like(kinks), np.empty(many)
+    for i, (law, (curve, number)) in enumerate(zip(laws, curves, strict=True)):
+        own, bends = np.concatenate([np.ravel(curve.factor * x) for x in law.slopes]), len(law.kinks)
+        kinks[:bends, i], rises[:bends, i] = np.ravel([*map(np.squeeze, law.kinks)]), np.diff(own)
+        slopes[i] = np.squeeze(own[0] - number)
+
+    def beyond(motion: Array) -> Array:
+        over = motion - (kinks if motion.ndim == 1 else kinks.reshape(*kinks.shape, *[1] * (motion.ndim - 1)))
+        return np.maximum(over, 0.0, out=over).reshape(-1, *motion.shape[1:])
+
+    on_bends = (np.eye(many)[:, None] * rises).reshape(many, -1)
+    return Bends(beyond, slopes, on_bends, (rises * np.maximum(-kinks, 0.0)).sum(axis=0))
+
+
+def _grouped(curves: list[tuple[Curve, Any]]) -> list[tuple[Any, Curve, Any]]:
+    """Where one and the same curve is, the curve, and the number in its place."""
     found: list[tuple[list[int], Curve, Any]] = []
-    for i, (value, number) in enumerate(zip(values, numbers, strict=True)):
-        if isinstance(value, Curve):
-            group = next((corners for corners, curve, _ in found if curve.alike(value)), None)
-            if group is None:
-                found.append(([i], value, number))
-            else:
-                group.append(i)
-    every = slice(None)
-    return [(every if len(corners) == len(values) else corners, *rest) for corners, *rest in found]
+    for i, (curve, number) in enumerate(curves):
+        group = next((at for at, known, _ in found if known.alike(curve)), None)
+        if group is None:
+            found.append(([i], curve, number))
+        else:
+            group.append(i)
+    return [(slice(None) if len(at) == len(curves) else at, *rest) for at, *rest in found]
