@@ -4,7 +4,21 @@
 // p' = v + ..., v' = -K p - C v + ..., K and C symmetric; vectors hold the positions before the velocities, `shapes` are
 // those of the positions.
 class Dynamics extends Modes {
-  static of(K, C) {
+  // Of K and C in which some `pairs` of positions may be alike, those of left and right.
+  static of(K, C, pairs) {
+    const Q = identity(K.length);
+    for (const [i, j] of pairs) [Q[i][i], Q[i][j], Q[j][i], Q[j][j]] = [1, 1, 1, -1].map((one) => one * Math.SQRT1_2);
+    const turned = [K, C].map((M) => multiply(Q, multiply(M, Q)));
+    const met = (M, i, j) => Math.abs(M[i][j]) > ROUNDING * Math.sqrt(Math.abs(M[i][i] * M[j][j]));
+    const parts = coupled(Q.map((row, i) => row.map((_, j) => Number(turned.some((M) => met(M, i, j))))));
+    if (parts.length === 1) return Dynamics.sound(K, C);
+    return new Apart(parts.map((rows) => {
+      const own = Dynamics.sound(...turned.map((M) => rows.map((i) => Float64Array.from(rows, (j) => M[i][j]))));
+      return { own, on: Q.map((row) => rows.map((i) => row[i])) };
+    }));
+  }
+
+  static sound(K, C) {
     const own = new Dynamics(K, C);
     return own.condition < PARALLEL ? own : new Dynamics(K, divided(C, 1 - ASIDE));
   }
@@ -51,6 +65,16 @@ class Dynamics extends Modes {
     shape = shape.map((one) => (modulus(one) > most ? one : complex(0)));
     const off = plus(product(plus(product(m, rate), c), rate), k);
     return { rate: minus(rate, quotient(off, plus(scaled(product(m, rate), 2), c))), shape };
+  }
+}
+
+// Motions that know nothing of one another, as those of a car's two halves, each `on` the positions by a matrix.
+class Apart extends Modes {
+  constructor(parts) {
+    const onAll = (on, x) => on.map((row) => applied(row, x));
+    const bothOnAll = (on, x) => [x.slice(0, x.length / 2), x.slice(x.length / 2)].flatMap((one) => onAll(on, one));
+    super(parts.flatMap(({ own }) => own.rates), parts.flatMap(({ own, on }) => own.W.map((row) => bothOnAll(on, row))));
+    this.shapes = parts.flatMap(({ own, on }) => own.shapes.map((shape) => onAll(on, shape)));
   }
 }
 

@@ -199,7 +199,9 @@ class Car extends Ride {
     super(model, parameters);
     const root = Float64Array.from(this.m, Math.sqrt);
     const normalised = (A) => A.map((row, i) => Float64Array.from(row, (one, j) => one / (root[i] * root[j])));
-    this.dynamics = Dynamics.of(normalised(this.K), normalised(this.C));
+    const motions = this.coordinates.map(({ motion }) => motion), each = [...new Set(motions)];
+    const pairs = each.map((one) => [...motions.keys()].filter((i) => motions[i] === one)).filter(({ length }) => length === 2);
+    this.dynamics = Dynamics.of(normalised(this.K), normalised(this.C), pairs);
     const { rates, shapes } = this.dynamics;
     this.shapes = shapes.map((shape) => shape.map((one, i) => scaled(one, 1 / root[i])));
     // By the rates of the heights under the wheels, into positions relative to the road and velocities.
