@@ -29,10 +29,10 @@ RESOLVED = 1e-5
 SLOWEST = 10.0**0.25 - 1.0
 
 # Multipliers, relative to the passive variance over that of the limit: at the start, and at most.
-START, LEAST, MOST = 0.1, 1e-9, 1e5
+START, MOST = 0.1, 1e5
 
-# A multiplier below this hardly feels its limit by its logarithm: there none starts, and one whose limit is exceeded is
-# lifted to the start again, so often at most.
+# The dual bends about as the inverse of a multiplier, of one below this as of this. Where the search is stuck, what it
+# has learnt of the curvature is forgotten, so often at most.
 AWAKE, LIFTS = 1e-3, 5
 
 # Least weight of an output, relative to its passive variance, among which the best gain without preview is sought.
@@ -75,9 +75,9 @@ class Solution(NamedTuple):
 
 
 def solve(plant: Plant, task: Task, light: float, start: Solution | None = None) -> Solution:
-    """Maximise the dual over the logarithms of the multipliers, which are of all sizes.
+    """Maximise the dual, which is concave, over the multipliers, none of which is negative.
 
-    Limits that nothing can meet leave an excess.
+    Their logarithms would hide a limit whose multiplier has become small. Limits that nothing can meet leave an excess.
     """
     from scipy.optimize import minimize
 
@@ -90,22 +90,28 @@ def solve(plant: Plant, task: Task, light: float, start: Solution | None = None)
         last = law.K
         return Solution(law, plant.variances(law), multipliers, light)
 
-    def dual(logarithms: Array) -> tuple[float, Array]:
-        found = at(np.exp(logarithms))
+    def dual(shares: Array, units: Array) -> tuple[float, Array]:
+        found = at(units * shares)
         cost = found.law.weights @ found.variances
-        return found.multipliers.sum() - cost, -found.multipliers * found.excess(task)
+        return found.multipliers.sum() - cost, -units * found.excess(task)
 
     if not len(first):
         return at(first)
-    bounds = [(np.log(LEAST), np.log(MOST))] * len(first)
     for _ in range(LIFTS):
-        begin = np.log(first.clip(AWAKE, MOST))
-        best = minimize(dual, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"ftol": 1e-15, "gtol": 1e-8})
-        found = at(np.exp(best.x))
-        asleep = (found.excess(task) > MET) & (found.multipliers < AWAKE)
-        if not asleep.any():
+        units = np.sqrt(first.clip(AWAKE))
+        best = minimize(
+            dual,
+            first / units,
+            (units,),
+            jac=True,
+            method="L-BFGS-B",
+            bounds=[(0.0, MOST / unit) for unit in units],
+            options={"ftol": 1e-15, "gtol": 1e-8},
+        )
+        found = at(units * best.x)
+        if found.excess(task).max() <= MET:
             break
-        first = np.where(asleep, START, found.multipliers)
+        first = found.multipliers
     return found
 
 
