@@ -29,8 +29,8 @@ PANELS = {
     "speeds": ("Over speed", "Metrics at other speeds on the same road."),
     "carpet": (
         "Carpet",
-        "Grey: springs by dampers, halved to doubled. Where there are: solid, the Pareto front, points to take; dotted, "
-        "the least that any active suspension reaches.",
+        "Grey: springs by dampers, halved to doubled. Where there are: solid, the Pareto front, points to take; "
+        "dotted, the least that any active suspension reaches.",
     ),
     "surrogates": ("Surrogates", "What each predicts of its expensive model, its interval, and what this vehicle has."),
 }
