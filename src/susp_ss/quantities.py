@@ -160,7 +160,7 @@ EVENTS = _table(
 )
 """Variables of `susp_ss.rare_events`, in their order."""
 
-SHIFT = Quantity("ride_height_shift", "m", "deflection of the suspension", dim="corner", statistic="mean")
+SHIFT = Quantity("ride_height_shift", "m", "deflection of the suspension", shown="mm", dim="corner", statistic="mean")
 """How far curves of springs and dampers move the mean position of a suspension: bump positive, the body sinks."""
 
 KNOWN = PARAMETERS | ROAD | METRICS

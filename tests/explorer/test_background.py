@@ -68,6 +68,19 @@ def test_springs_and_dampers_do_not_change_the_background():
     assert conditions(from_query(f"{text}&ks=30000&cs=900&bump_height=0.1")[0]) == from_query(text)[0]
 
 
+def test_what_nobody_waits_for_is_not_begun_or_ended():
+    gone = iter([True, False, True, False])
+    with Beside(left=lambda: next(gone)) as beside, pytest.MonkeyPatch.context() as patch:
+        patch.setattr("susp_ss.explorer.beside.QUICK", 0.0)
+        assert beside.background({"model": "three-axle"}, NOTHING) is None
+        assert beside.background({"model": "three-axle"}, NOTHING) is None
+        patch.setattr("susp_ss.explorer.beside.QUICK", np.inf)
+        assert {*beside.background({"model": "quarter", "carpet": {"x": "sws", "y": "sws"}}, NOTHING)} == {
+            "carpet",
+            "errors",
+        }
+
+
 def test_a_car_that_steers_has_a_carpet_alone():
     assert {*found_for("model=ride-handling")} == {"carpet", "errors"}
 

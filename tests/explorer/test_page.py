@@ -12,8 +12,9 @@ import pytest
 
 import susp_ss as ss
 from susp_ss.explorer.app import application
+from susp_ss.explorer.compute import compute
 from susp_ss.explorer.server import address as where
-from susp_ss.explorer.server import listening
+from susp_ss.explorer.server import left, listening
 from susp_ss.explorer.state import NOTHING, Given, from_query
 
 IDLE = "#panels[aria-busy=false]"
@@ -31,10 +32,10 @@ def carpet(conditions, given):
 
 
 @contextlib.contextmanager
-def serving(given=NOTHING):
+def serving(given=NOTHING, slowly=carpet):
     """The address of an explorer, whose background costs nothing."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("susp_ss.explorer.app.background", carpet)
+        patch.setattr("susp_ss.explorer.app.background", slowly)
         server = listening(application(given), 0)
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
@@ -176,6 +177,45 @@ def test_a_seat_that_is_taken_away_takes_its_outputs_along(tab):
     tab.locator("#undo").click()
     until(tab, "location.search.includes('seat_mass')")
     assert asked.items() <= query(tab).items()
+
+
+def test_quantities_at_several_places_have_one_title_and_the_unit_of_pictures(tab):
+    tab.go("?model=ride-handling")
+    ride = ss.ride_metrics(ss.RideHandlingCar(), ROAD)
+    slip = np.degrees(ride.slip_angle.sel(corner="rr"))
+    assert near(row(tab, "Slip angle of the tyre (deg)", "rear right")[0], slip)
+    assert near(
+        row(tab, "Load that an axle moves from the left wheel to the right (N)", "front")[0], ride.load_transfer[0]
+    )
+    tab.go("?model=quarter&curve_rebound=1.3")
+    shift = compute(from_query("model=quarter&curve_rebound=1.3")[0])["metrics"][-1]["value"]
+    assert near(row(tab, "Mean deflection of the suspension (mm)")[0], 1e3 * shift)
+
+
+def test_what_takes_seconds_is_given_up_for_newer_conditions_and_by_pages_that_leave(browser):
+    asked, gone = [], []
+
+    def slowly(conditions, given):
+        asked.append(conditions["road"]["speed"])
+        while len(asked) != 2 and not left():
+            threading.Event().wait(0.02)
+        gone.append(left())
+        return carpet(conditions, given)
+
+    with serving(slowly=slowly) as address:
+        with visit(browser, address) as tab:
+            tab.go("?model=quarter")
+            press(tab, "speed", "ArrowRight")
+            tab.wait_for_selector("#carpet[aria-busy=false]")
+            assert sorted(gone) == [False, True]
+            press(tab, "speed", "ArrowRight")
+            until(tab, "document.querySelector('#carpet[aria-busy=true]')")
+            while len(asked) < 3:
+                tab.wait_for_timeout(20)
+        while len(gone) < 3:
+            threading.Event().wait(0.02)
+    assert gone[2]
+    assert len({*asked}) == 3
 
 
 def test_a_point_of_the_front_is_a_design_to_take(tab):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..quantities import KNOWN, POSITIONS, Quantity, typeset, units_of
-from .rows import PLACES
+from ..quantities import HANDLING, KNOWN, POSITIONS, SHIFT, Quantity, typeset, units_of
+from .rows import PLACES, spoken
 from .state import Given
 from .table import Number
 
@@ -29,7 +29,8 @@ PANELS = {
     "speeds": ("Over speed", "Metrics at other speeds on the same road."),
     "carpet": (
         "Carpet",
-        "Grey: springs by dampers, halved to doubled. Solid: the Pareto front, points to take. Dotted: any law's best.",
+        "Grey: springs by dampers, halved to doubled. Where there are: solid, the Pareto front, points to take; "
+        "dotted, the least that any active suspension reaches.",
     ),
     "surrogates": ("Surrogates", "What each predicts of its expensive model, its interval, and what this vehicle has."),
 }
@@ -121,12 +122,13 @@ def _words(given: Given) -> dict[str, Any]:
         return {"unit": typeset(shown), "one": units_of(si)[shown]}
 
     def of(quantity: Quantity) -> dict[str, Any]:
-        return unit(quantity.unit, quantity.shown or quantity.unit) | {"meaning": quantity.meaning}
+        return unit(quantity.unit, quantity.shown or quantity.unit) | {"meaning": spoken(quantity)}
 
     numbers = [row for table in given.tables.values() for row in table if isinstance(row, Number)]
+    quantities = POSITIONS | KNOWN | HANDLING | {SHIFT.name: SHIFT}
     units = {row.name: unit(row.unit, SHOWN.get(row.name) or _shown(row.name) or row.unit) for row in numbers}
     return {
-        "quantities": {name: of(one) for name, one in (POSITIONS | KNOWN).items()},
+        "quantities": {name: of(one) for name, one in quantities.items()},
         "units": units,
         "places": PLACES,
     }

@@ -60,12 +60,17 @@ def at_places(layout: Layout, found: Moments) -> list[Row]:
 
 
 def _rows(quantity: Quantity, places: tuple[str, ...], values: NDArray[Any]) -> Iterator[Row]:
-    meaning = f"{quantity.statistic} {quantity.meaning}".removeprefix("RMS ")
+    meaning = spoken(quantity)
     if not dim_of(quantity, places):
         yield Row(quantity.name, meaning, quantity.unit, values[:, 0])
         return
     for place, column in zip(places, values.T, strict=True):
         yield Row(f"{quantity.name}@{place}", f"{meaning}, {named(place)}", quantity.unit, column)
+
+
+def spoken(quantity: Quantity) -> str:
+    """A quantity in words; that it is a root mean square goes without saying."""
+    return f"{quantity.statistic} {quantity.meaning}".removeprefix("RMS ")
 
 
 def output_names(car: RoadVehicle) -> tuple[tuple[str, ...], tuple[str, ...]]:

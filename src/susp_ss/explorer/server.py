@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import select
 import socket
 import threading
 import webbrowser
@@ -84,6 +85,18 @@ def listening(app: Any, port: int) -> Any:
 def address(server: Any) -> str:
     """Where a browser finds its page."""
     return f"http://{HOST}:{server.port}/"
+
+
+def left() -> bool:
+    """Whether the page that this thread answers waits no more: it has closed its connection."""
+    from flask import has_request_context, request
+
+    if not has_request_context() or (line := request.environ.get("werkzeug.socket")) is None:
+        return False
+    try:
+        return bool(select.select([line], [], [], 0.0)[0]) and not line.recv(1, socket.MSG_PEEK)
+    except OSError:
+        return True
 
 
 def serve(server: Any, browser: bool) -> None:

@@ -5,18 +5,25 @@ window.explorer = window.explorer || {};
 explorer.answers = (() => {
   const PATIENCE = 10000; // ms until a live question counts as unanswered.
 
-  const served = (name, patience) => (question, told, failed) => {
-    const asked = {
-      method: "POST",
-      headers: { "Content-Type": "application/json" },
-      body: JSON.stringify(question),
-      signal: patience && AbortSignal.timeout(patience),
+  // A question that comes before the last is answered makes that one needless, as the server is told.
+  function served(name, patience) {
+    let last = new AbortController();
+    return (question, told, failed) => {
+      last.abort();
+      const own = (last = new AbortController());
+      const asked = {
+        method: "POST",
+        headers: { "Content-Type": "application/json" },
+        body: JSON.stringify(question),
+        signal: patience ? AbortSignal.any([own.signal, AbortSignal.timeout(patience)]) : own.signal,
+      };
+      const read = (answer) => (answer.ok ? answer.json() : Promise.reject(answer.statusText));
+      const unless = (then) => (found) => own.signal.aborted || then(found);
+      fetch(name, asked).then(read).then(unless(told), unless(failed));
     };
-    const read = (answer) => (answer.ok ? answer.json() : Promise.reject(answer.statusText));
-    fetch(name, asked).then(read).then(told, failed);
-  };
+  }
 
-  // A thread for each kind of question; one that comes while there is more to come makes the rest needless.
+  // A thread for each kind of question; one that comes before the last is answered makes that one needless.
   function beside(name) {
     const answer = `postMessage(dash_clientside.engine.${name}(data, postMessage))`;
     const script = new Blob([`(${explorer.beside})(); onmessage = ({ data }) => ${answer};`], { type: "text/javascript" });

@@ -307,21 +307,20 @@ explorer.page = (() => {
     return keyOf(conditions);
   }
 
-  // One at a time here as well, and again where its conditions have moved on meanwhile.
+  // Of the newest conditions alone; what is still on its way for others is given up.
   function askSlowly() {
     const key = frame();
-    if (slowFlight !== null || key === background.key) return;
+    if (key === slowFlight || key === background.key) return;
     slowFlight = key;
     explorer.answers.slow(here.state, answeredSlowly, () => answeredSlowly({ errors: [{ message: "no answer" }] }));
     settled({ key: null, found: null }, true);
   }
 
-  // While there is more to come, other conditions need not wait for it.
   function answeredSlowly({ more, ...found }) {
     const key = slowFlight;
-    if (!more || key !== frame()) slowFlight = null;
+    if (!more) slowFlight = null;
     settled({ key: more ? null : key, found }, more);
-    askSlowly();
+    if (!quiet) askSlowly();
   }
 
   function settled(next, more = false) {
