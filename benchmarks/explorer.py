@@ -43,6 +43,7 @@ SCENES = {
         "ks_front",
     ),
     "full car, four pins, speed": ("pin=ks_front%3D15053&pin=ks_front%3D22053&pin=cs_rear%3D2016.5&pin=", "speed"),
+    "three-axle truck, front springs": ("model=three-axle", "ks_front"),
     "ride and handling, front springs": ("model=ride-handling", "ks_front"),
 }
 
