@@ -252,6 +252,15 @@ def test_limits_that_the_passive_car_meets_are_met():
         assert float(bound.metrics[metric].sel(corner=corner)) <= limit * (1.0 + 1e-4)
 
 
+@pytest.mark.parametrize("car", [ss.PitchHalfCar(), ss.FullCar()])
+def test_a_point_of_a_front_is_that_by_itself_whatever_is_before_it(car):
+    limits = own_limits(car, APART, "sws", "dtl")
+    alone = ss.active_bound(car, APART, "bacc@cg", limits).bound
+    shares = np.array([0.05, 0.2, 0.7, 1.0])
+    front = ss.active_bound(car, APART, "bacc@cg", {name: shares * limit for name, limit in limits.items()})
+    assert float(front.bound[-1]) == pytest.approx(alone, rel=1e-4)
+
+
 def test_a_front_falls_over_its_limits():
     sws = xr.DataArray(np.linspace(0.003, 0.008, 3), dims="travel", coords={"travel": [3, 5.5, 8]})
     front = ss.active_bound(ss.QuarterCar(), ROAD, "bacc", {"sws": sws, "dtl": np.array([20.0, 800.0])})
