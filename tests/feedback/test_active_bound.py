@@ -228,6 +228,39 @@ def test_multipliers_are_the_slope_of_the_bound():
         assert middle.multipliers[name] == pytest.approx((down - up) / (0.002 * limit), rel=1e-3)
 
 
+def test_a_limit_is_used_to_its_end_however_small_its_multiplier():
+    """Where it must be lower than it would be, it is no lower than its limit."""
+    car, road = ss.QuarterCar(), ss.Road()
+    limits = {"sws": 15.0 * float(ss.ride_metrics(car, road).sws)}
+    free = ss.active_bound(car, road, "bacc", limits).metrics.dtl
+    limits["dtl"] = float(free) * (1.0 - 3e-4)
+    bound = ss.active_bound(car, road, "bacc", limits)
+    assert float(bound.metrics.dtl) == pytest.approx(limits["dtl"], rel=1e-5)
+
+
+def test_limits_that_the_passive_car_meets_are_met():
+    """Multipliers of the tyre loads behind are a hundred-thousandth, and yet without them these are exceeded."""
+    places = {"mu": (45.4, 31.8), "ks": (7270.0, 7480.0), "cs": (299.0, 282.0)}
+    corners = {name: ss.Corners(fr=front, fl=front, rr=rear, rl=rear) for name, (front, rear) in places.items()}
+    car = ss.FullCar(mb=1198.0, ixx=398.0, iyy=1067.0, a=0.961, b=1.806, c=0.723, kt=192e3, arb_front=58.2e3, **corners)
+    road = ss.Road(speed=10.72, waviness=2.3, tracks="isotropic")
+    limits = own_limits(car, road, "sws", "dtl")
+    bound = ss.active_bound(car, road, "bacc@cg", limits)
+    assert bound.bound < float(bound.passive.bacc.sel(point="cg"))
+    for name, limit in limits.items():
+        metric, corner = name.split("@")
+        assert float(bound.metrics[metric].sel(corner=corner)) <= limit * (1.0 + 1e-4)
+
+
+@pytest.mark.parametrize("car", [ss.PitchHalfCar(), ss.FullCar()])
+def test_a_point_of_a_front_is_that_by_itself_whatever_is_before_it(car):
+    limits = own_limits(car, APART, "sws", "dtl")
+    alone = ss.active_bound(car, APART, "bacc@cg", limits).bound
+    shares = np.array([0.05, 0.2, 0.7, 1.0])
+    front = ss.active_bound(car, APART, "bacc@cg", {name: shares * limit for name, limit in limits.items()})
+    assert float(front.bound[-1]) == pytest.approx(alone, rel=1e-4)
+
+
 def test_a_front_falls_over_its_limits():
     sws = xr.DataArray(np.linspace(0.003, 0.008, 3), dims="travel", coords={"travel": [3, 5.5, 8]})
     front = ss.active_bound(ss.QuarterCar(), ROAD, "bacc", {"sws": sws, "dtl": np.array([20.0, 800.0])})

@@ -112,7 +112,8 @@ def solve(plant: Plant, task: Task, light: float, start: Solution | None = None)
         if found.excess(task).max() <= MET:
             break
         first = found.multipliers
-    return found
+    # From a start far away it may be led astray.
+    return found if start is None or found.excess(task).max() <= MET else solve(plant, task, light)
 
 
 def best_gain(plant: Plant, task: Task, start: Solution) -> Law | None:
