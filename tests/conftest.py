@@ -138,6 +138,32 @@ def opened(browser):
         yield open_page
 
 
+@pytest.fixture(scope="session")
+def script():
+    """The explorer's engine in JavaScript."""
+    from susp_ss.explorer.javascript import engine
+
+    return engine()
+
+
+@pytest.fixture(scope="session")
+def ask(browser, script):
+    """Call a function of the explorer's engine for each of some states, in one page."""
+    page = browser.new_page()
+    wrong = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.add_script_tag(content=script)
+
+    def asked(function, states):
+        return page.evaluate(
+            "([name, states]) => states.map((one) => dash_clientside.engine[name](one))", [function, states]
+        )
+
+    yield asked
+    page.close()
+    assert wrong == []
+
+
 @pytest.fixture(scope="module")
 def few_runs():
     """Optimise a study on surrogates of five runs alone."""
