@@ -15,11 +15,14 @@ from susp_ss.explorer.state import NOTHING
 ASSETS = Path(explorer.__file__).parent / "assets"
 
 
-def changed(model, road=None, carpet=None, seat=None, **vehicle):
+def changed(model, road=None, carpet=None, seat=None, curve=None, **vehicle):
     state = NOTHING.default(model)
-    seat = seat and {row.key: row.default for row in NOTHING.tables[model] if row.table == "seat"} | seat
+    whole = {
+        name: more and {row.key: row.default for row in NOTHING.tables[model] if row.table == name} | more
+        for name, more in (("seat", seat), ("curve", curve))
+    }
     own = {name: (state[name] or {}) | (more or {}) for name, more in (("road", road), ("carpet", carpet))}
-    return state | own | {"vehicle": state["vehicle"] | vehicle, "seat": seat}
+    return state | own | whole | {"vehicle": state["vehicle"] | vehicle}
 
 
 STATES = [
@@ -36,6 +39,19 @@ def test_fronts_and_bounds_are_those_of_the_package(ask, state):
     np.testing.assert_allclose(found["carpet"]["designs"], expected["carpet"]["designs"], rtol=1e-8)
     np.testing.assert_allclose(found["front"]["points"], expected["front"]["points"], rtol=1e-6)
     np.testing.assert_allclose(found["bound"]["points"], expected["bound"]["points"], rtol=1e-4)
+
+
+def test_a_car_of_curves_keeps_them_in_every_design(ask):
+    state = changed("quarter", {"roughness": 256e-6}, curve={"rebound": 1.6, "knee": 0.15}, ms=300.0)
+    (found,), expected, road = ask("background", [state]), background(state), road_of(state)
+    np.testing.assert_allclose(found["front"]["points"], expected["front"]["points"], rtol=1e-6)
+    np.testing.assert_allclose(found["bound"]["points"], expected["bound"]["points"], rtol=1e-4)
+    points, carpet = np.array(found["front"]["points"]), np.array(found["carpet"]["designs"]).reshape(-1, 2)
+    for front in (found["front"], expected["front"]):
+        cars = [vehicle_of(state | {"vehicle": state["vehicle"] | one}) for one in front["designs"]]
+        metrics = [ss.ride_metrics(car, road) for car in cars]
+        np.testing.assert_allclose(front["points"], [[float(one.sws), float(one.bacc)] for one in metrics], rtol=1e-8)
+    assert not (carpet[None] < points[:, None] * (1.0 - 1e-6)).all(axis=-1).any()
 
 
 def test_the_full_car(ask):

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from ..design.bounds import bounds
 from ..design.pareto import ParetoFront, pareto_front
+from ..vehicles.curves import rate_of
 from ..vehicles.vehicle import joined
 from .compute import Found, Scene
+from .design import damper
 from .rows import existing, metrics_at_places, output_names
 from .state import NOTHING, Given
 from .table import DESIGN, Number
@@ -93,9 +95,21 @@ class Field(Scene):
         return x, y
 
     @cached_property
+    def moved(self) -> list[Number]:
+        """Springs and dampers."""
+        return _design(self.state, self.given)
+
+    @cached_property
+    def rates(self) -> dict[str, float]:
+        """Springs and dampers as the package searches them, per unit of the sliders: curves by their rates at rest."""
+        curve = self.state["curve"]
+        by = float(rate_of(damper(1.0, **curve))) if curve else 1.0
+        return {row.key: by if row.group == "dampers" else 1.0 for row in self.moved}
+
+    @cached_property
     def best(self) -> ParetoFront:
         """The designs that no other beats."""
-        box = {row.key: (row.least, row.most) for row in _design(self.state, self.given)}
+        box = {row.key: (row.least * self.rates[row.key], row.most * self.rates[row.key]) for row in self.moved}
         return pareto_front(self.vehicle, self.road, box, self.axes[::-1], points=POINTS)
 
     @cached_property
@@ -125,7 +139,9 @@ def front(field: Field) -> Found:
     """The best designs, where springs and dampers are all that there is."""
     if not _design(field.state, field.given) or field.vehicle.layout().controls:
         return {}
-    return {"front": {"points": field.points.tolist(), "designs": field.best.designs.to_dict("records")}}
+    return {
+        "front": {"points": field.points.tolist(), "designs": (field.best.designs / field.rates).to_dict("records")}
+    }
 
 
 def bound(field: Field) -> Found:

@@ -45,7 +45,7 @@ class Decay {
     const pace = Math.exp(inverse(A).size / A.length);
     const M = inverse(A.map((row, i) => row.map((one, j) => (i === j ? pace : 0) - one))).of;
     let power = M.map((row, i) => row.map((one, j) => 2 * pace * one - (i === j ? 1 : 0)));
-    Object.assign(this, { A, M, pace, powers: [], passages: {}, resolvents: new Map() });
+    Object.assign(this, { A, M, pace, powers: [], passages: {}, resolvents: new Map(), shifts: new Map() });
     for (let k = 0; k < DOUBLINGS && largest(power) > FORGOTTEN; k++) {
       this.powers.push(power);
       power = multiply(power, power);
@@ -78,8 +78,17 @@ class Decay {
     return this.resolvents.get(rate);
   }
 
+  // (A + rate I)^-1 and its transpose.
+  shifted(rate) {
+    if (!this.shifts.has(rate)) {
+      const { of } = inverse(this.A.map((row, i) => row.map((one, j) => one + (i === j ? rate : 0))));
+      this.shifts.set(rate, [of, transpose(of)]);
+    }
+    return this.shifts.get(rate);
+  }
+
   passage(T) {
-    return (this.passages[T] ??= new Passage(this.A, T));
+    return (this.passages[T] ??= new Passage(this, T));
   }
 }
 

@@ -1,17 +1,18 @@
 // How a stable system x' = A x moves over a time: the integrals of what runs forwards times what runs backwards.
 
-// Terms of Taylor's series, the size of a step for which they are enough, and rates so many times as large as A are
-// apart from its own.
-const TAYLOR = 16, SHORT = 0.5, STIFF = 2;
+// Terms of Taylor's series, the size of a step for which they are enough, and how far inverses of A + rate may amplify
+// for the rate to be apart from those of A.
+const TAYLOR = 16, SHORT = 0.5, APART = 1e5;
 
 const FACTORIALS = [1];
 for (let k = 1; k <= 2 * TAYLOR; k++) FACTORIALS.push(FACTORIALS[k - 1] * k);
 
 // e^(A T) by squares of a short step's.
 class Passage {
-  constructor(A, T) {
+  constructor(decay, T) {
+    const { A } = decay;
     this.size = Math.max(...A.map((row) => sum(row.map(Math.abs))));
-    const squares = Math.max(0, Math.ceil(Math.log2((STIFF * this.size * T) / SHORT)));
+    const squares = Math.max(0, Math.ceil(Math.log2((2 * this.size * T) / SHORT)));
     this.step = T * 2 ** -squares;
     const short = A.map((row) => row.map((one) => one * this.step)), E = identity(A.length);
     let term = identity(A.length);
@@ -21,29 +22,28 @@ class Passage {
     }
     this.steps = [E];
     for (let k = 0; k < squares; k++) this.steps.push(multiply(this.steps[k], this.steps[k]));
-    Object.assign(this, { A, short, back: transpose(short), T, adjoint: transpose(this.steps[squares]) });
+    Object.assign(this, { decay, short, back: transpose(short), T, adjoint: transpose(this.steps[squares]) });
   }
 
   // From x and v on, with v' = -rate v and x' = A x + pushed v of a `bank`: where they end, and their integrals Y and V
   // over the time, times e^(A (T - t)) from s on the left.
   crossed(x, v, bank, s) {
-    const { size, A, T } = this, n = A.length, met = bank.map((_, q) => q).filter((q) => v[q] !== 0);
-    const [slow, stiff] = [false, true].map((fast) => met.filter((q) => bank[q].rate > STIFF * size === fast));
-    // In x less what each stiff colour holds of it, that colour has no part.
-    const held = new Map(stiff.map((q) => {
-      const undo = inverse(A.map((row, i) => row.map((one, j) => one + (i === j ? bank[q].rate : 0)))).of;
-      return [q, { undo, part: times(undo, bank[q].pushed).map((one) => -one) }];
-    }));
-    const start = stiff.reduce((total, q) => ahead(total, -v[q], held.get(q).part), x);
-    const found = this.slowly(start, slow.map((q) => v[q]), slow.map((q) => bank[q]), s);
-    const gone = v.map((one, q) => one && one * Math.exp(-bank[q].rate * T)), V = zeros(v.length, n);
-    slow.forEach((q, at) => (V[q] = found.V[at]));
-    const last = times(this.adjoint, s);
-    for (const q of stiff) {
-      const { undo, part } = held.get(q), over = times(transpose(undo), ahead(last, -Math.exp(-bank[q].rate * T), s));
-      V[q] = over.map((one) => v[q] * one);
-      increment(found.Y, 1, part, V[q]);
-      add(found.x, part, gone[q]);
+    const { size, decay, T } = this, n = x.length, gone = v.map((one, q) => one && one * Math.exp(-bank[q].rate * T));
+    const last = times(this.adjoint, s), V = zeros(v.length, n), near = [], far = [];
+    bank.forEach(({ rate, pushed }, q) => {
+      if (!v[q]) return;
+      const [undo, adjoint] = decay.shifted(rate);
+      if (largest(undo) * size > APART) near.push(q);
+      else far.push({ q, adjoint, part: times(undo, pushed) });
+    });
+    // In x less what each colour that is apart holds of it, that colour has no part.
+    const start = far.reduce((total, { q, part }) => ahead(total, v[q], part), x);
+    const found = this.slowly(start, near.map((q) => v[q]), near.map((q) => bank[q]), s);
+    near.forEach((q, at) => (V[q] = found.V[at]));
+    for (const { q, adjoint, part } of far) {
+      V[q] = times(adjoint, ahead(last, -Math.exp(-bank[q].rate * T), s)).map((one) => v[q] * one);
+      increment(found.Y, -1, part, V[q]);
+      add(found.x, part, -gone[q]);
     }
     return { x: found.x, v: gone, Y: found.Y, V };
   }
