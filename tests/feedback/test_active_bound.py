@@ -238,20 +238,6 @@ def test_a_limit_is_used_to_its_end_however_small_its_multiplier():
     assert float(bound.metrics.dtl) == pytest.approx(limits["dtl"], rel=1e-5)
 
 
-def test_limits_that_the_passive_car_meets_are_met():
-    """Multipliers of the tyre loads behind are a hundred-thousandth, and yet without them these are exceeded."""
-    places = {"mu": (45.4, 31.8), "ks": (7270.0, 7480.0), "cs": (299.0, 282.0)}
-    corners = {name: ss.Corners(fr=front, fl=front, rr=rear, rl=rear) for name, (front, rear) in places.items()}
-    car = ss.FullCar(mb=1198.0, ixx=398.0, iyy=1067.0, a=0.961, b=1.806, c=0.723, kt=192e3, arb_front=58.2e3, **corners)
-    road = ss.Road(speed=10.72, waviness=2.3, tracks="isotropic")
-    limits = own_limits(car, road, "sws", "dtl")
-    bound = ss.active_bound(car, road, "bacc@cg", limits)
-    assert bound.bound < float(bound.passive.bacc.sel(point="cg"))
-    for name, limit in limits.items():
-        metric, corner = name.split("@")
-        assert float(bound.metrics[metric].sel(corner=corner)) <= limit * (1.0 + 1e-4)
-
-
 @pytest.mark.parametrize("car", [ss.PitchHalfCar(), ss.FullCar()])
 def test_a_point_of_a_front_is_that_by_itself_whatever_is_before_it(car):
     limits = own_limits(car, APART, "sws", "dtl")
