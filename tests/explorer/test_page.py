@@ -39,10 +39,12 @@ def serving(given=NOTHING, slowly=carpet):
         server = listening(application(given), 0)
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
-        yield where(server)
-        server.shutdown()
-        thread.join()
-        server.server_close()
+        try:
+            yield where(server)
+        finally:
+            server.shutdown()
+            thread.join()
+            server.server_close()
 
 
 @pytest.fixture(scope="module")

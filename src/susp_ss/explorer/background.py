@@ -121,7 +121,7 @@ class Field(Scene):
 def carpet(field: Field) -> Found:
     """Both metrics for every combination of springs and dampers."""
     car, (x, y) = field.vehicle, field.axes
-    if not _design(field.state, field.given):
+    if not field.moved:
         return {}
     springs, dampers = (grid.ravel() for grid in np.meshgrid(FACTORS, FACTORS, indexing="ij"))
     scaled: dict[str, Any] = {
@@ -137,11 +137,11 @@ def carpet(field: Field) -> Found:
 
 def front(field: Field) -> Found:
     """The best designs, where springs and dampers are all that there is."""
-    if not _design(field.state, field.given) or field.vehicle.layout().controls:
+    if not field.moved or field.vehicle.layout().controls:
         return {}
-    return {
-        "front": {"points": field.points.tolist(), "designs": (field.best.designs / field.rates).to_dict("records")}
-    }
+    found = field.best.designs.to_dict("records")
+    designs = [{str(key): rate / field.rates[str(key)] for key, rate in one.items()} for one in found]
+    return {"front": {"points": field.points.tolist(), "designs": designs}}
 
 
 def bound(field: Field) -> Found:
