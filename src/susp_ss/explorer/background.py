@@ -140,7 +140,10 @@ def front(field: Field) -> Found:
     if not _design(field.state, field.given) or field.vehicle.layout().controls:
         return {}
     return {
-        "front": {"points": field.points.tolist(), "designs": (field.best.designs / field.rates).to_dict("records")}
+        "front": {
+            "points": field.points.tolist(),
+            "designs": field.best.designs.div([*field.rates.values()]).to_dict("records"),
+        }
     }
 
 
