@@ -124,7 +124,7 @@ def test_an_fmu_is_that_of_the_server_without_its_binary(take, text, tmp_path, m
 def test_the_page_hands_out_every_file(browser, script, tmp_path, monkeypatch):
     monkeypatch.setattr("susp_ss.explorer.freeze.engine", lambda: script)
     tab = browser.new_page()
-    tab.set_default_timeout(60_000)
+    tab.set_default_timeout(0)
     tab.goto(freeze(tmp_path).as_uri() + "?model=quarter&ks=20000")
     tab.wait_for_selector("#panels[aria-busy=false]")
     state, _ = from_query("model=quarter&ks=20000")

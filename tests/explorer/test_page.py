@@ -58,7 +58,7 @@ def visit(browser, address, width=1440, **context):
     """A user of the page, who must meet no error and whose page must ask nobody but its server."""
     wrong, asked = [], []
     user = browser.new_context(viewport={"width": width, "height": 900}, **context)
-    user.set_default_timeout(60_000)
+    user.set_default_timeout(0)
     tab = user.new_page()
     tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
     tab.on("pageerror", lambda error: wrong.append(str(error)))
