@@ -207,6 +207,8 @@ def test_what_takes_seconds_is_given_up_for_newer_conditions_and_by_pages_that_l
     with serving(slowly=slowly) as address:
         with visit(browser, address) as tab:
             tab.go("?model=quarter")
+            while not asked:
+                tab.wait_for_timeout(20)
             press(tab, "speed", "ArrowRight")
             tab.wait_for_selector("#carpet[aria-busy=false]")
             assert sorted(gone) == [False, True]
