@@ -25,9 +25,9 @@ from ride_metrics import RESULTS
 
 from susp_ss.explorer.app import application
 from susp_ss.explorer.compute import compute
-from susp_ss.explorer.freeze import Alone, freeze
+from susp_ss.explorer.freeze import freeze
 from susp_ss.explorer.server import address, listening
-from susp_ss.explorer.state import NOTHING, from_query
+from susp_ss.explorer.state import from_query
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 SWITCHES = ["--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -84,19 +84,14 @@ TIMED = """async ([name, moves]) => {
 }"""
 
 
-def known(query, given):
-    """The state of a query without its pins, and what of it is unknown."""
-    return from_query("&".join(part for part in query.split("&") if not part.startswith("pin=")), given)
-
-
 def engine(query, repeats=20):
     """Milliseconds that `compute` takes alone, the median."""
-    state, errors = known(query, NOTHING)
+    state, errors = from_query(query)
     assert not errors
     took = []
     for _ in range(repeats + 1):
         start = time.perf_counter()
-        compute(state, NOTHING)
+        compute(state)
         took.append(1e3 * (time.perf_counter() - start))
     return float(np.median(took[1:]))
 
@@ -142,11 +137,10 @@ def main():
             took, main = moves(browser, address(server), query, name, count)
             most = np.quantile(took, 0.95)
             cells = [engine(query), np.median(took), most, main]
-            if not known(query, Alone())[1]:
-                took, main = moves(browser, alone, query, name, count)
-                cells += [np.quantile(took, 0.95), main]
-                most = max(most, cells[4])
-            body.append([scene, *map(digits, cells), *["–"] * (6 - len(cells))])
+            took, main = moves(browser, alone, query, name, count)
+            cells += [np.quantile(took, 0.95), main]
+            most = max(most, cells[4])
+            body.append([scene, *map(digits, cells)])
             if most > MOST:
                 broken.append(f"{scene}: {most:.0f} ms")
         browser.close()

@@ -14,8 +14,7 @@ from hypothesis import given, settings
 from explored import states
 from susp_ss.explorer.downloads import FILES
 from susp_ss.explorer.freeze import freeze
-from susp_ss.explorer.javascript import MODELS
-from susp_ss.explorer.state import NOTHING, from_query, query
+from susp_ss.explorer.state import MODELS, NOTHING, from_query, query
 
 TAKE = """async ([kind, state, query]) => {
     const { name, content, message } = dash_clientside.engine.file(kind, state, query);

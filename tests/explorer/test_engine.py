@@ -7,8 +7,8 @@ import susp_ss as ss
 from susp_ss.explorer.background import Field, carpet
 from susp_ss.explorer.compute import compute
 from susp_ss.explorer.design import vehicle_of
-from susp_ss.explorer.javascript import MODELS, wavinesses
-from susp_ss.explorer.state import NOTHING
+from susp_ss.explorer.javascript import wavinesses
+from susp_ss.explorer.state import MODELS, NOTHING
 from susp_ss.explorer.table import Number
 from susp_ss.roads.road import TRACKS
 

@@ -120,18 +120,7 @@ def _fmu(model: Realised, name: str, target: Path) -> bytes:
 
 
 def texts(model: Realised, name: str, identifier: str, guid: str) -> dict[str, str]:
-    """What an FMU holds but its binary: its description and its source, by their places in it.
-
-    Parameters
-    ----------
-    model : Realised
-    name : str
-        Of the model, as people read it.
-    identifier : str
-        Of the model, as C and the binary have it.
-    guid : str
-        Which sources these are.
-    """
+    """What an FMU holds but its binary, by its places: the `description`, which says what is given, and the source."""
     from .. import __version__
 
     return {

@@ -13,9 +13,9 @@ from ..design.bounds import bounds
 from ..design.pareto import ParetoFront, pareto_front
 from ..vehicles.curves import rate_of
 from ..vehicles.vehicle import joined
-from .compute import Found, Scene
 from .design import damper
 from .rows import existing, metrics_at_places, output_names
+from .scene import Found, Scene
 from .state import NOTHING, Given
 from .table import DESIGN, Number
 

@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 from ..exchange import export
 from ..vehicles.files import in_file, vehicle_text
 from ..vehicles.vehicle import Vehicle
-from .compute import Scene, compute
+from .compute import compute
 from .design import vehicle_of
 from .lines import lines
+from .scene import Scene
 from .state import NOTHING, Given, from_query
 
 

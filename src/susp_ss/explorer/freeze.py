@@ -8,14 +8,11 @@ from __future__ import annotations
 
 import json
 import re
-from functools import cached_property
 from pathlib import Path
-from typing import Any
 from urllib.parse import urlsplit
 
 from .app import application
-from .javascript import MODELS, engine
-from .state import Given
+from .javascript import engine
 
 ENGINE = "engine.js"
 
@@ -39,15 +36,6 @@ explorer.beside();
 """
 
 
-class Alone(Given):
-    """What an explorer without a server offers: the models that `javascript.engine` knows."""
-
-    @cached_property
-    def models(self) -> dict[str, Any]:
-        """Models by name."""
-        return {name: car for name, car in super().models.items() if name in MODELS}
-
-
 def freeze(folder: Path) -> Path:
     """Write the explorer's page and all that it needs.
 
@@ -66,7 +54,7 @@ def freeze(folder: Path) -> Path:
     ModuleNotFoundError
         Dash is not installed.
     """
-    client = application(Alone(), served=False).server.test_client()
+    client = application(served=False).server.test_client()
 
     def fetched(address: str) -> bytes:
         answer = client.get(address)

@@ -7,7 +7,6 @@ alone (``engine/*.js``), which the tests hold against `compute` on random states
 
 from __future__ import annotations
 
-import inspect
 import json
 from importlib import resources
 from typing import Any
@@ -23,7 +22,7 @@ from ..responses.excitation import DRIFT
 from ..responses.positions import form_with_positions
 from ..responses.simulation import SWINGING
 from ..roads.colours import COINCIDENT, colours
-from ..roads.obstacles import obstacle
+from ..roads.obstacles import STEP
 from ..roads.road import REFERENCE_WAVENUMBER, Road
 from ..vehicles.curves import DamperCurve
 from ..vehicles.full import FullCar
@@ -35,17 +34,14 @@ from ..vehicles.truck import OUTSIDE, ThreeAxleTruck
 from ..vehicles.vehicle import Vehicle, joined
 from . import motion, search, templates
 from .background import FACTORS
-from .compute import SPEEDS
-from .described import described, placed, refusal
+from .described import described, drifting, placed
 from .moving import moving, said, words
+from .scene import SPEEDS
 from .seat import seated
-from .spectra import FREQUENCIES
-from .state import NOTHING
+from .spectra import GRID, powers
+from .state import MODELS, NOTHING
 from .symbols import Lines
 from .table import DESIGN, Choice, Number
-
-MODELS = ("full", "quarter", "pitch-half", "roll-half", "ride-handling", "three-axle")
-"""Models that the engine knows."""
 
 SOURCES = (
     *("algebra.js", "complex.js", "modes.js", "eigen.js", "covariance.js"),
@@ -92,8 +88,7 @@ def weighting(name: str) -> dict[str, Any]:
     one = filter_of(name, name)
     level, alphas, low, _ = one.colours
     parts = np.stack([alphas[0].real, alphas[0].imag, low[0].real, low[0].imag], axis=-1)
-    power = one.power(2.0 * np.pi * np.geomspace(*FREQUENCIES))
-    return {"level": level.item(), "terms": parts.tolist(), "power": power.tolist()}
+    return {"level": level.item(), "terms": parts.tolist(), "power": powers(name).tolist()}
 
 
 def settings(name: str, vehicle: Vehicle) -> dict[str, list[str]]:
@@ -153,7 +148,6 @@ def engine() -> str:
     what `susp_ss.explorer.downloads` writes.
     """
     grid = wavinesses()
-    step = inspect.signature(obstacle).parameters["step"].default
     constants: dict[str, Any] = {
         "COINCIDENT": COINCIDENT,
         "DAMPED": ROUNDING,
@@ -162,7 +156,7 @@ def engine() -> str:
         "UNMOVED": UNMOVED,
         "REFERENCE_WAVENUMBER": REFERENCE_WAVENUMBER,
         "SPEEDS": SPEEDS.tolist(),
-        "FREQUENCIES": np.geomspace(*FREQUENCIES).tolist(),
+        "FREQUENCIES": GRID.tolist(),
         "SURFACES": {str(sign): {f"{w:g}": surface(sign, w) for w in grid} for sign in (0, 1, -1)},
         "GAMMA": {f"{w:g}": float(gamma(0.5 * w)) for w in grid},
         "AXES": {name: axis._asdict() for name, axis in AXES.items()},
@@ -172,14 +166,17 @@ def engine() -> str:
         "DESIGNS": {name: designs(name) for name in MODELS},
         **search.constants(),
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
-        | {"spacing": step},
+        | {"spacing": STEP},
         "CURVE": templates.curve()
-        | {name.lower(): getattr(linearisation, name) for name in ("CONVERGED", "ROUNDS", "LONGEST", "STILL")}
+        | {
+            name.lower(): getattr(linearisation, name)
+            for name in ("CONVERGED", "ROUNDS", "LONGEST", "STILL", "STEPS", "SETTLED")
+        }
         | {"middling": DamperCurve.middling, "resolved": motion.RESOLVED, "swinging": SWINGING},
         "FILES": templates.files(),
         "WORDS": {
             **search.words(),
-            "drifting": refusal(FullCar(), Road(waviness=3.0, tracks="independent")),
+            "drifting": drifting(FullCar(), Road(waviness=3.0, tracks="independent")),
             "fmu": "no FMU of a car that moves here; susp-ss explore writes it",
             "unsettled": "dampers' linearisation did not settle; take gentler curves or a smoother road",
             "middle": f"{ThreeAxleTruck.__name__}{OUTSIDE}",

@@ -18,7 +18,7 @@ from ..vehicles.handling_assembly import Assembly
 from ..vehicles.handling_model import LASTING, NAMED, OVER_CRITICAL
 from ..vehicles.ride_handling import LACKING, RideHandlingCar
 from ..vehicles.vehicle import joined
-from .described import placed, refusal
+from .described import drifting, placed
 from .motion import motion_of
 from .symbols import Lines
 
@@ -33,7 +33,7 @@ def words() -> dict[str, str]:
         "izz": f"{kind}{LACKING}",
         "critical": f"{kind} {OVER_CRITICAL}",
         "lasting": f"{kind} {LASTING}",
-        "parting": refusal(RideHandlingCar(), Road(tracks="independent")),
+        "parting": drifting(RideHandlingCar(), Road(tracks="independent")),
     }
 
 

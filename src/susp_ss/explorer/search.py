@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from ..roads.road import Road
 from ..vehicles.quarter import QuarterCar
 from ..vehicles.vehicle import Vehicle
 from .background import POINTS
+from .described import refusal
 
 ROAD = Road()
 
@@ -49,11 +49,11 @@ def words() -> dict[str, str]:
     car, box = QuarterCar(ct=100.0), {"ks": (1e4, 2e4)}
     known = _plant(car)
     return {
-        "same": _refusal(lambda: pareto_front(car, ROAD, box, ("bacc", "bacc"))).replace("bacc", "NAME"),
-        "flat": _refusal(lambda: pareto_front(car, ROAD, box, ("bacc", "dtl")))
+        "same": refusal(lambda: pareto_front(car, ROAD, box, ("bacc", "bacc"))).replace("bacc", "NAME"),
+        "flat": refusal(lambda: pareto_front(car, ROAD, box, ("bacc", "dtl")))
         .replace("dtl", "NAME")
         .replace("inf", "VALUE"),
-        "infinite": _refusal(lambda: known.named("dtl", "")).removeprefix(": ").replace("dtl", "NAME"),
+        "infinite": refusal(lambda: known.named("dtl", "")).removeprefix(": ").replace("dtl", "NAME"),
         "unshaped": shaping.UNSHAPED,
     }
 
@@ -65,18 +65,9 @@ def steered(vehicle: Vehicle) -> dict[str, Any]:
     model = vehicle.assemble()
     return {
         "suspensions": model.suspensions.tolist(),
-        "unbounded": _refusal(lambda: _plant(vehicle).named("damper_power", "")).removeprefix(": "),
+        "unbounded": refusal(lambda: _plant(vehicle).named("damper_power", "")).removeprefix(": "),
     }
 
 
 def _plant(vehicle: Vehicle) -> Plant:
     return plant(vehicle, ROAD, None, "active_bound")
-
-
-def _refusal(attempt: Callable[[], Any]) -> str:
-    """What the package says where it refuses."""
-    try:
-        attempt()
-    except ValueError as error:
-        return str(error)
-    raise AssertionError("this must be refused")

@@ -77,7 +77,7 @@ def spectra(layout: Layout, densities: Array, outputs: Sequence[str]) -> list[di
     for output in outputs:
         name = own_name(output, names)
         S, axis = densities[names.index(name)], AXES.get(metric_and_place(name)[0])
-        felt = None if axis is None else S * _powers(axis.weighting)
+        felt = None if axis is None else S * powers(axis.weighting)
         curves.append(
             {
                 "output": output,
@@ -91,6 +91,6 @@ def spectra(layout: Layout, densities: Array, outputs: Sequence[str]) -> list[di
 
 
 @cache
-def _powers(weighting: str) -> Array:
+def powers(weighting: str) -> Array:
     """What a weighting leaves of a spectrum."""
     return filter_of(weighting, "").power(2.0 * np.pi * GRID)
