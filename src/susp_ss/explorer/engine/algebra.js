@@ -48,6 +48,14 @@ function multiply(A, B) {
   return out;
 }
 
+function identity(n) {
+  const out = zeros(n, n);
+  for (let i = 0; i < n; i++) out[i][i] = 1;
+  return out;
+}
+
+const negated = (A) => A.map((row) => row.map((one) => -one));
+
 // A B^T.
 function across(A, B) {
   const out = zeros(A.length, B.length);
@@ -90,3 +98,6 @@ function inverted(A) {
     return x;
   };
 }
+
+// A^-1 B.
+const quotients = (A, B) => transpose(transpose(B).map(inverted(A)));

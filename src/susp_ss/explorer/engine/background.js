@@ -57,7 +57,8 @@ class Field {
   }
 
   bound() {
-    const { road } = this, car = this.car.at(road), { measured } = car, kept = ({ name }) => SEARCH.kept.includes(name.split("@")[0]);
+    const { road } = this, car = this.car.at(road), { measured } = car;
+    const kept = ({ name }) => SEARCH.kept.includes(name.split("@")[0]);
     const goal = measured[this.y], variances = car.variances(road);
     const limited = [...new Set([measured[this.x], ...measured.filter(kept)])].filter((one) => one !== goal);
     for (const [where, one] of [["minimise", goal], ...limited.map((one) => ["limits", one])]) {

@@ -11,21 +11,9 @@ const SHARP = 1e-13;
 // behind it.
 class Plant {
   constructor(car, road) {
-    const { m, K, C, C_in, R, G, elongation, rate, acceleration, suspensions } = car, n = m.length;
-    const over = (A) => A.map((row, i) => row.map((one) => one / m[i]));
-    const [stiff, damped, entering] = [K, C, C_in].map(over);
-    const A = zeros(2 * n, 2 * n);
-    for (let i = 0; i < n; i++) {
-      A[i][n + i] = 1;
-      for (let j = 0; j < n; j++) [A[n + i][j], A[n + i][n + j]] = [-stiff[i][j], -damped[i][j]];
-    }
-    const W = [...G.map((row) => row.map((one) => -one)), ...entering];
-    const push = over(transpose(suspensions.map((row) => R[row]))).map((row) => row.map((one) => -one));
-    const B = [...zeros(n, suspensions.length), ...push];
-    const [onPosition, onVelocity] = [[elongation, stiff], [rate, damped]].map(([of, inner]) =>
-      minusOf(multiply(of, R), multiply(acceleration, inner)),
-    );
-    const Y = onPosition.map((row, i) => [...row, ...onVelocity[i]]);
+    const { m, C_in, G, acceleration, suspensions } = car, { A, Y } = displacementForm(car), push = pushes(car);
+    const W = [...negated(G), ...C_in.map((row, i) => row.map((one) => one / m[i]))];
+    const B = [...zeros(m.length, suspensions.length), ...push];
     Object.assign(this, { A, B, C: Y, D: multiply(acceleration, push), W, car, road });
     this.scale();
   }
@@ -33,9 +21,9 @@ class Plant {
   scale() {
     const { A, B, C, W } = this, n = A.length / 2, unit = Math.sqrt(sum(A.slice(n).map((row, i) => -row[i])) / n);
     const by = (sizes) => {
-      this.A = this.A.map((row, i) => row.map((one, j) => (one * sizes[j]) / sizes[i]));
+      this.A = this.A.map((row, i) => Array.from(row, (one, j) => (one * sizes[j]) / sizes[i]));
       [this.B, this.W] = [this.B, this.W].map((M) => M.map((row, i) => row.map((one) => one / sizes[i])));
-      this.C = this.C.map((row) => row.map((one, j) => one * sizes[j]));
+      this.C = this.C.map((row) => Array.from(row, (one, j) => one * sizes[j]));
     };
     by(A.map((_, i) => (i < n ? 1 / unit : 1)));
     const X = new Decay(this.A).stirred(across(this.W, this.W));

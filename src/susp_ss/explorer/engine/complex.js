@@ -72,69 +72,7 @@ function solve(A, B) {
   return B;
 }
 
-// Eigenvalues of a real matrix, by elimination to Hessenberg's form, then QR steps with Wilkinson's shift.
-function eigenvalues(A) {
-  const n = A.length, H = hessenberg(A).map((row) => Array.from(row, (one) => complex(one)));
-  const size = (i, j) => modulus(H[i][j]);
-  for (let end = n - 1, step = 1; end > 0; step++) {
-    let first = end;
-    while (first > 0 && size(first, first - 1) > EPSILON * (size(first, first) + size(first - 1, first - 1))) first--;
-    if (first === end) {
-      end--;
-      step = 0;
-      continue;
-    }
-    // A shift of no meaning now and then gets on where the good one goes in circles.
-    const shift = step % 10 ? wilkinson(H, end) : plus(H[end][end], complex(size(end, end - 1)));
-    for (let i = first; i <= end; i++) H[i][i] = minus(H[i][i], shift);
-    const turns = [];
-    for (let j = first; j < end; j++) {
-      const length = Math.hypot(size(j, j), size(j + 1, j)) || 1;
-      const c = scaled(H[j][j], 1 / length), s = scaled(H[j + 1][j], 1 / length);
-      turns.push([c, s]);
-      for (let k = j; k <= end; k++) {
-        const up = H[j][k], down = H[j + 1][k];
-        H[j][k] = plus(product(conjugate(c), up), product(conjugate(s), down));
-        H[j + 1][k] = minus(product(c, down), product(s, up));
-      }
-    }
-    turns.forEach(([c, s], at) => {
-      const j = first + at;
-      for (let k = first; k <= Math.min(j + 1, end); k++) {
-        const left = H[k][j], right = H[k][j + 1];
-        H[k][j] = plus(product(left, c), product(right, s));
-        H[k][j + 1] = minus(product(right, conjugate(c)), product(left, conjugate(s)));
-      }
-    });
-    for (let i = first; i <= end; i++) H[i][i] = plus(H[i][i], shift);
-  }
-  return H.map((row, i) => row[i]);
-}
-
 const EPSILON = 2 ** -52;
-
-function hessenberg(A) {
-  const n = A.length, H = A.map((row) => Float64Array.from(row));
-  for (let m = 1; m < n - 1; m++) {
-    let pivot = m;
-    for (let i = m + 1; i < n; i++) if (Math.abs(H[i][m - 1]) > Math.abs(H[pivot][m - 1])) pivot = i;
-    if (H[pivot][m - 1] === 0) continue;
-    [H[m], H[pivot]] = [H[pivot], H[m]];
-    for (const row of H) [row[m], row[pivot]] = [row[pivot], row[m]];
-    for (let i = m + 1; i < n; i++) {
-      const factor = H[i][m - 1] / H[m][m - 1];
-      add(H[i], H[m], -factor);
-      for (const row of H) row[m] += factor * row[i];
-    }
-  }
-  return H;
-}
-
-// The eigenvalue of the last two rows and columns that is nearer to the last entry.
-function wilkinson(H, end) {
-  const larger = beyond(H, end), across = product(H[end - 1][end], H[end][end - 1]);
-  return power(larger) ? minus(H[end][end], quotient(across, larger)) : H[end][end];
-}
 
 // By how much the other one is beyond the last entry.
 function beyond(H, end) {

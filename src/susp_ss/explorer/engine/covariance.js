@@ -32,7 +32,7 @@ class Dynamics extends Modes {
       A[i][n + i] = 1;
       for (let j = 0; j < n; j++) [A[n + i][j], A[n + i][n + j]] = [-this.K[i][j], -this.C[i][j]];
     }
-    const found = eigenvalues(A).filter((rate) => creeping(rate) || rate.im > 0);
+    const found = triangularised(A).rates.filter((rate) => creeping(rate) || rate.im > 0);
     const modes = found.map((rate, at) => this.polished(rate, at));
     this.turn(modes.map(({ rate }) => scaled(rate, unit)));
     this.shapes = modes.map(({ shape }) => shape);

@@ -37,11 +37,11 @@ class Broken {
   // The deviation of a velocity by which a damper dissipates a power: Newton in logarithms.
   deviation(power) {
     let log = 0.5 * Math.log(power / this.means(CURVE.middling).slope);
-    for (let round = 0; round < 60; round++) {
+    for (let round = 0; round < CURVE.steps; round++) {
       const sigma = Math.exp(log), { slope, third } = this.means(sigma);
       const step = (Math.log(power / slope) - 2 * log) / (2 + (sigma ** 2 * third) / slope);
       log += Math.min(Math.max(step, -2), 2);
-      if (Math.abs(step) < 1e-14 + 1e-15 * Math.abs(log)) break;
+      if (Math.abs(step) < CURVE.settled) break;
     }
     return Math.exp(log);
   }
@@ -93,7 +93,7 @@ class CurvedCar extends Ride {
     this.first = this.laws.map((law) => law.means(CURVE.middling).slope);
     // Cars of numbers by the speeds at which they stand for this one, and the inverse Jacobian at the last of these.
     this.settled = [];
-    this.inverse = this.laws.map((_, i) => Float64Array.from(this.laws, (_, j) => -Number(i === j)));
+    this.inverse = negated(identity(this.laws.length));
   }
 
   metrics(road) {
@@ -170,7 +170,7 @@ const combined = (...terms) => terms[0][1].map((row, i) => Float64Array.from(row
 
 // sum_k A^k / (k + power)!, of a small A.
 function series(A, power) {
-  const unit = A.map((_, i) => Float64Array.from(A, (_, j) => Number(i === j)));
+  const unit = identity(A.length);
   let total = unit, factorial = 1;
   for (let k = 14; k > 0; k--) total = combined([1, unit], [1 / (k + power), multiply(A, total)]);
   for (let k = 2; k <= power; k++) factorial *= k;
@@ -224,8 +224,7 @@ class Packed {
 class Stepper {
   constructor(curved, h) {
     const car = new StraightCar(curved, curved.first), n = car.m.length, { A, B, Y, D } = displacementForm(car);
-    const push = car.m.map((mass, i) => car.suspensions.map((row) => -car.R[row][i] / mass));
-    const P = [...push.map((row) => row.map(() => 0)), ...push], wheels = B[0].length, felt = curved.measured[0].row;
+    const push = pushes(car), P = [...push.map((row) => row.map(() => 0)), ...push], wheels = B[0].length, felt = curved.measured[0].row;
     const { whole, half } = held(A, beside(B, P), h);
     const part = (M, from, to) => M.map((row) => row.slice(from, to)), again = (M) => multiply(half[0], M);
     const [ofRoad, halfOfRoad] = [whole, half].map((some) => some.slice(1).map((gain) => part(gain, 0, wheels)));

@@ -3,12 +3,6 @@
 // Doublings at most, and the size of a power whose square is rounding.
 const DOUBLINGS = 40, FORGOTTEN = 1e-9;
 
-function identity(n) {
-  const out = zeros(n, n);
-  for (let i = 0; i < n; i++) out[i][i] = 1;
-  return out;
-}
-
 function largest(A) {
   let most = 0;
   for (const row of A) for (let j = 0; j < row.length; j++) most = Math.max(most, Math.abs(row[j]));
@@ -42,10 +36,10 @@ function inverse(A) {
 // The sum of A^k Q A^kT by Smith's doubling, A being Cayley's transform about the geometric mean of its eigenvalues.
 class Decay {
   constructor(A) {
-    const pace = Math.exp(inverse(A).size / A.length);
-    const M = inverse(A.map((row, i) => row.map((one, j) => (i === j ? pace : 0) - one))).of;
+    Object.assign(this, { A, powers: [], passages: {}, shifts: new Map() });
+    const pace = Math.exp(inverse(A).size / A.length), [M] = this.resolvent(pace);
     let power = M.map((row, i) => row.map((one, j) => 2 * pace * one - (i === j ? 1 : 0)));
-    Object.assign(this, { A, M, pace, powers: [], passages: {}, resolvents: new Map(), shifts: new Map() });
+    Object.assign(this, { M, pace });
     for (let k = 0; k < DOUBLINGS && largest(power) > FORGOTTEN; k++) {
       this.powers.push(power);
       power = multiply(power, power);
@@ -71,11 +65,7 @@ class Decay {
 
   // (rate I - A)^-1 and its transpose.
   resolvent(rate) {
-    if (!this.resolvents.has(rate)) {
-      const { of } = inverse(this.A.map((row, i) => row.map((one, j) => (i === j ? rate : 0) - one)));
-      this.resolvents.set(rate, [of, transpose(of)]);
-    }
-    return this.resolvents.get(rate);
+    return this.shifted(-rate).map(negated);
   }
 
   // (A + rate I)^-1 and its transpose.

@@ -43,7 +43,7 @@ function balance(A) {
 
 // H = Z^T A Z, of nothing below the first subdiagonal; H becomes it, and Z is returned.
 function reflected(H) {
-  const n = H.length, Z = H.map((_, i) => Float64Array.from(H, (_, j) => (i === j ? 1 : 0)));
+  const n = H.length, Z = identity(n);
   for (let k = 0; k < n - 2; k++) {
     const v = new Float64Array(n);
     let size = 0;
@@ -138,13 +138,19 @@ function modesOf(A) {
   });
 }
 
-// The same of a matrix that does not fall apart, which is overwritten.
-function eigen(A) {
-  const n = A.length, scales = balance(A), Z = reflected(A);
+// A = S Q T Q^H S^-1 of a complex T with nothing below its diagonal, where the eigenvalues `rates` are, and S of powers
+// of two; A is overwritten.
+function triangularised(A) {
+  const scales = balance(A), Z = reflected(A);
   schur(A, Z);
   const [T, Q] = [A, Z].map((M) => M.map((row) => Array.from(row, (one) => complex(one))));
   triangular(T, Q);
-  const rates = T.map((row, i) => row[i]), least = EPSILON * Math.max(...rates.map(modulus));
+  return { scales, T, Q, rates: T.map((row, i) => row[i]) };
+}
+
+// Modes of a matrix that does not fall apart, which is overwritten.
+function eigen(A) {
+  const n = A.length, { scales, T, Q, rates } = triangularised(A), least = EPSILON * Math.max(...rates.map(modulus));
   const gap = (one, other) => {
     const apart = minus(one, other);
     return modulus(apart) > least ? apart : complex(least);

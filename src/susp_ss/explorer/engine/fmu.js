@@ -5,12 +5,11 @@
 function realised(car) {
   const { A, B, Y, D, D1 } = displacementForm(car), n = car.m.length, { integrators } = car;
   if (!D1.some((row) => row.some((one) => one !== 0))) {
-    const rest = transpose(transpose(B).map(inverted(A))).map((row) => row.map((one) => -one));
-    return { rates: 0, A, B, C: Y, D, REST: rest };
+    return { rates: 0, A, B, C: Y, D, REST: negated(quotients(A, B)) };
   }
   const none = integrators.map(() => 0);
   const wide = [...A.map((row) => [...row, ...none]), ...integrators.map(() => new Array(2 * n + none.length).fill(0))];
-  const moved = [...car.G.map((row) => row.map((one) => -one)), ...B.slice(0, n), ...integrators];
+  const moved = [...negated(car.G), ...B.slice(0, n), ...integrators];
   const seen = Y.map((row, i) => [...row, ...car.on_integrators[i]]);
   return { rates: 1, A: wide, B: moved, C: seen, D: D1, REST: moved.map((row) => row.map(() => 0)) };
 }

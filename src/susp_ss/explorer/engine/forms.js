@@ -9,15 +9,17 @@ function displacementForm({ m, K, C, K_in, C_in, R, N, elongation, rate, acceler
     add(total, other[i], factor);
     return total;
   });
-  const [k, c, Bz] = [K, C, C_in].map(over), unit = k.map((_, i) => Float64Array.from(k, (_, j) => Number(i === j)));
-  const negative = (M) => M.map((row) => row.map((one) => -one));
+  const [k, c, Bz] = [K, C, C_in].map(over);
   const onPosition = both(multiply(elongation, R), multiply(acceleration, k), -1);
   const onVelocity = both(multiply(rate, R), multiply(acceleration, c), -1);
   return {
-    A: [...beside(zeros(n, n), unit), ...beside(negative(k), negative(c))],
+    A: [...beside(zeros(n, n), identity(n)), ...beside(negated(k), negated(c))],
     B: [...Bz, ...both(over(K_in), multiply(c, Bz), -1)],
     Y: beside(onPosition, onVelocity),
     D: both(both(multiply(elongation, N), multiply(acceleration, over(K_in))), multiply(onVelocity, Bz)),
     D1,
   };
 }
+
+// How a force beside every suspension, which pushes the body up, moves the coordinates.
+const pushes = ({ m, R, suspensions }) => m.map((mass, i) => suspensions.map((row) => -R[row][i] / mass));

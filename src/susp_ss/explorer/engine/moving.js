@@ -14,8 +14,8 @@ class MovingCar extends Ride {
     this.seen = this.on_road_velocity.map((_, i) => this.halves.flatMap(({ seen }) => seen[i]));
     this.on_road_velocity = this.added(({ D }) => D, this.on_road_velocity);
     // The warp of the road, and the angle to which a road that stands still would bring the body.
-    const still = this.added(({ stretch, K_ride, K_in }) => multiply(stretch, standing(K_ride, K_in)), this.resting);
-    const leant = this.added(({ stretch, K_ride, lean }) => multiply(stretch, standing(K_ride, transpose([lean]))));
+    const still = this.added(({ stretch, K_ride, K_in }) => multiply(stretch, quotients(K_ride, K_in)), this.resting);
+    const leant = this.added(({ stretch, K_ride, lean }) => multiply(stretch, quotients(K_ride, transpose([lean]))));
     leant[this.roll.row][0] = 1;
     const warps = warped(still, this.integrators);
     this.on_integrators = warps.map((row, i) => Float64Array.of(...row, leant[i][0]));
@@ -95,14 +95,14 @@ const square = (rows, column) => sum(rows.map((row) => row[column] ** 2));
 function half(own) {
   const { M, K, forces, K_in, C_in, slips, lag, acceleration, felt } = own, n = K.length, size = forces[0].length;
   const solved = inverted(M), by = (columns) => transpose(columns.map(solved));
-  const speeds = by(transpose(forces)), G = standing(K, K_in);
+  const speeds = by(transpose(forces)), G = quotients(K, K_in);
   const moved = by(transpose(C_in).map((column) => Float64Array.from(M, (_, i) => column[i] ?? 0)));
   const kept = size - n - slips.length - lag.length;
   const moving = zeros(n, size);
   moving.forEach((row, i) => (row[n + i] = 1));
   const A = [...moving, ...speeds.slice(0, kept), ...multiply(slips, speeds), ...lag];
   const B = [
-    ...G.map((row) => row.map((one) => -one)),
+    ...negated(G),
     ...moved.slice(0, kept),
     ...multiply(slips, moved),
     ...lag.map(() => new Float64Array(G[0].length)),

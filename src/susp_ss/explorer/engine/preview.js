@@ -6,7 +6,6 @@
 const LEVEL = 1e-8;
 
 const minusOf = (A, B) => A.map((row, i) => row.map((one, j) => one - B[i][j]));
-const negated = (A) => A.map((row) => row.map((one) => -one));
 const weighed = (weights, A) => A.map((row, i) => row.map((one) => weights[i] * one));
 const quadratic = (row, X) => dot(row, times(X, row));
 

@@ -205,7 +205,7 @@ class Car extends Ride {
     const { rates, shapes } = this.dynamics;
     this.shapes = shapes.map((shape) => shape.map((one, i) => scaled(one, 1 / root[i])));
     // By the rates of the heights under the wheels, into positions relative to the road and velocities.
-    const G = standing(this.K, this.K_in);
+    const G = quotients(this.K, this.K_in);
     const entering = [
       ...G.map((row, i) => row.map((one) => -one * root[i])),
       ...this.C_in.map((row, i) => row.map((one) => one / root[i])),
@@ -247,9 +247,6 @@ class Car extends Ride {
     return 0;
   }
 }
-
-// Static positions under unit heights.
-const standing = (K, K_in) => transpose(transpose(K_in).map(inverted(K)));
 
 // What `still` makes of the heights under the wheels, per metre of each of their `warps`.
 function warped(still, warps) {
