@@ -15,7 +15,7 @@ import numpy as np
 from scipy.special import gamma
 
 from ..metrics.comfort import AXES, REACTIONS
-from ..metrics.weightings import filter_of
+from ..metrics.weightings import WEIGHTINGS, filter_of
 from ..quantities import signal
 from ..responses.covariance import linearisation
 from ..responses.excitation import DRIFT
@@ -32,7 +32,7 @@ from ..vehicles.ride_handling import RideHandlingCar
 from ..vehicles.second_order import ROUNDING
 from ..vehicles.truck import OUTSIDE, ThreeAxleTruck
 from ..vehicles.vehicle import Vehicle, joined
-from . import motion, search, templates
+from . import motion, opened, search, templates
 from .background import FACTORS
 from .described import described, drifting, placed
 from .moving import moving, said, words
@@ -47,7 +47,7 @@ SOURCES = (
     *("algebra.js", "complex.js", "modes.js", "eigen.js", "covariance.js"),
     *("ride.js", "moving.js", "motion.js", "forms.js", "curves.js", "answers.js"),
     *("descent.js", "front.js", "decay.js", "passage.js", "shaping.js", "preview.js", "bound.js"),
-    *("background.js", "zip.js", "fmu.js", "files.js"),
+    *("background.js", "zip.js", "fmu.js", "files.js", "cheap.js", "kinds.js", "surrogates.js"),
 )
 
 # What JavaScript asks of an assembled car.
@@ -111,7 +111,7 @@ def model(name: str) -> str:
     def entry(key: str, car: Any, outputs: tuple[str, ...]) -> str:
         moves = isinstance(car, RideHandlingCar)
         data = described(car, outputs) | search.steered(car) | (said(car) if moves else {})
-        data |= {"settings": known, "files": templates.of_vehicle(car)}
+        data |= {"settings": known, "files": templates.of_vehicle(car)} | opened.told(car)
         return f"{json.dumps(key)}: {{ ...{json.dumps(data)},\nassemble: {(moving if moves else assembled)(car)} }}"
 
     if not seat:
@@ -145,7 +145,8 @@ def engine() -> str:
 
     It sets ``dash_clientside.engine``: ``answer``, ``compute`` and ``background`` are those of `susp_ss.explorer`, of
     which the last tells a second argument what is found so far; ``metrics`` are the numbers alone, and ``file`` is
-    what `susp_ss.explorer.downloads` writes.
+    what `susp_ss.explorer.downloads` writes. ``answer`` takes the texts of surrogate files as well, of which ``wrong``
+    says what is wrong.
     """
     grid = wavinesses()
     constants: dict[str, Any] = {
@@ -160,11 +161,12 @@ def engine() -> str:
         "SURFACES": {str(sign): {f"{w:g}": surface(sign, w) for w in grid} for sign in (0, 1, -1)},
         "GAMMA": {f"{w:g}": float(gamma(0.5 * w)) for w in grid},
         "AXES": {name: axis._asdict() for name, axis in AXES.items()},
-        "WEIGHTINGS": {axis.weighting: weighting(axis.weighting) for axis in AXES.values()},
+        "WEIGHTINGS": {name: weighting(name) for name in WEIGHTINGS},
         "REACTIONS": REACTIONS,
         "FACTORS": FACTORS.tolist(),
         "DESIGNS": {name: designs(name) for name in MODELS},
         **search.constants(),
+        **opened.constants(),
         "BUMP": {name.lower(): getattr(motion, name) for name in ("BEFORE", "AFTER", "SHOWN", "STEP", "OVER")}
         | {"spacing": STEP},
         "CURVE": templates.curve()
@@ -181,6 +183,9 @@ def engine() -> str:
             "unsettled": "dampers' linearisation did not settle; take gentler curves or a smoother road",
             "middle": f"{ThreeAxleTruck.__name__}{OUTSIDE}",
             **words(),
+            **opened.words(),
+            "damaged": "damaged: {what}",
+            "elsewhere": "{what} needs susp-ss explore",
             "waviness": f"waviness goes in steps of {grid[1] - grid[0]:.2g} here; susp-ss explore takes any",
         },
     }
@@ -189,5 +194,5 @@ def engine() -> str:
     sources = "\n".join(resources.files(__package__).joinpath("engine", name).read_text("utf-8") for name in SOURCES)
     return (
         f'(() => {{\n"use strict";\n{given}\nconst MODELS = {{\n{cars}\n}};\n{sources}\n'
-        "(globalThis.dash_clientside ??= {}).engine = { answer, compute, background, file, metrics };\n})();\n"
+        "(globalThis.dash_clientside ??= {}).engine = { answer, compute, background, file, metrics, wrong };\n})();\n"
     )

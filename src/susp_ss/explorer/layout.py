@@ -48,6 +48,9 @@ DOWNLOADS = {
 ELSEWHERE = "FMUs have C source alone here; with a binary, and for cars of your own: susp-ss explore"
 """What a page without a server says beside its downloads."""
 
+OPEN = ("open", "Open file", "Open file: surrogate.json of susp-ss fit, one or several; they stay in this browser")
+"""The button that such a page has in the panel of surrogates: its name, text and words."""
+
 
 def layout(given: Given, served: bool = True) -> Any:
     """The page: the store ``table``, which its scripts begin with, and what they fill.
@@ -63,7 +66,7 @@ def layout(given: Given, served: bool = True) -> Any:
             html.Ul(id="errors", role="alert"),
             html.Aside([html.Div(id="sliders")], id="controls", **_aria(label="Sliders")),
             html.Main(
-                [html.Div([_panel(name, *PANELS[name]) for name in column]) for column in COLUMNS],
+                [html.Div([_panel(name, served, *PANELS[name]) for name in column]) for column in COLUMNS],
                 id="panels",
                 **_aria(busy="true"),
             ),
@@ -76,30 +79,34 @@ def layout(given: Given, served: bool = True) -> Any:
 def _header(served: bool) -> list[Any]:
     from dash import html
 
-    def button(name: str, text: str, words: str) -> Any:
-        return html.Button(text, id=name, type="button", title=words, **_aria(label=words))
-
-    kinds = [button(f"download-{kind}", text, f"Download: {words}") for kind, (text, words) in DOWNLOADS.items()]
+    kinds = [_button(f"download-{kind}", text, f"Download: {words}") for kind, (text, words) in DOWNLOADS.items()]
     downloads = html.Div([html.Span("Download", className="quiet"), *kinds], id="downloads")
     elsewhere = [] if served else [html.Span(ELSEWHERE, className="quiet", id="elsewhere")]
     return [
         html.H1("susp_ss explorer"),
         html.Label(["Model", html.Span(id="models")]),
-        html.Div([button("undo", "Undo", "Undo (Ctrl+Z)"), button("redo", "Redo", "Redo (Ctrl+Shift+Z)")]),
-        html.Div([button("pin", "Pin design", "Pin this design and compare others with it")]),
+        html.Div([_button("undo", "Undo", "Undo (Ctrl+Z)"), _button("redo", "Redo", "Redo (Ctrl+Shift+Z)")]),
+        html.Div([_button("pin", "Pin design", "Pin this design and compare others with it")]),
         html.Ul(id="pins", **_aria(label="Pinned designs")),
         downloads,
         *elsewhere,
     ]
 
 
-def _panel(name: str, title: str, words: str) -> Any:
+def _button(name: str, text: str, words: str) -> Any:
     from dash import html
 
+    return html.Button(text, id=name, type="button", title=words, **_aria(label=words))
+
+
+def _panel(name: str, served: bool, title: str, words: str) -> Any:
+    from dash import html
+
+    tools = [_button(*OPEN)] if name == "surrogates" and not served else []
     return html.Section(
         [
             html.H2(title, id=f"{name}-title"),
-            html.Div(id=f"{name}-tools", className="tools"),
+            html.Div(tools, id=f"{name}-tools", className="tools"),
             html.P(words, className="quiet"),
             html.Div(id=f"{name}-set", className="set"),
             html.Div(id=name, className="body"),

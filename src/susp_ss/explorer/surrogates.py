@@ -21,6 +21,10 @@ from .rows import metrics_at_places, number
 INTERVAL = 0.95
 """Share of the expensive model's values that the bounds are to hold."""
 
+LACKING = "needs {name}, which {kind} has not"
+
+SEVERAL = "needs one {name} for all of {wheels}, got {values}"
+
 
 def predictions(name: str, fitted: SuspensionSurrogate, vehicle: RoadVehicle, road: Road) -> list[dict[str, Any]]:
     """What a surrogate says of every output of its own, and what the vehicle itself has there.
@@ -69,11 +73,11 @@ def _value(name: str, vehicle: RoadVehicle, road: Road) -> float:
     if name in ROAD:
         return float(getattr(road, name))
     if not isinstance(vehicle, Vehicle) or name not in vehicle.settings():
-        raise ValueError(f"needs {name}, which {type(vehicle).__name__} has not")
+        raise ValueError(LACKING.format(name=name, kind=type(vehicle).__name__))
     field, wheels = vehicle.settings()[name]
     own = dict(zip(vehicle.wheels, map(rate_of, vehicle.at_wheels(field)), strict=True))
     values = {own[wheel] for wheel in wheels}
     if len(values) > 1:
         said = ", ".join(f"{wheel} {own[wheel]:g}" for wheel in wheels)
-        raise ValueError(f"needs one {name} for all of {', '.join(wheels)}, got {said}")
+        raise ValueError(SEVERAL.format(name=name, wheels=", ".join(wheels), values=said))
     return float(values.pop())

@@ -101,7 +101,7 @@ class LowFidelityResponse:
             )
         self._weights = np.array(list(shares.values())).T
         self.unknown = tuple(name for name, row in zip(self.columns, self._weights, strict=True) if not row.any())
-        at = _own_place(vehicle, place) if vehicle.layout().variables[criterion][0].dim else None
+        at = own_place(vehicle, place) if vehicle.layout().variables[criterion][0].dim else None
         self.response = Response(vehicle, road, criterion, at, tuple(shares), parameter, weighting)
         self._rest = (1.0 - self._weights.sum(axis=0)) * [self.response.own(name) for name in shares]
         if hasattr(self.response, "parameter_value"):
@@ -151,7 +151,7 @@ def _shares(vehicle: Vehicle, place: str | None, columns: Sequence[str]) -> dict
     fields = {*vehicle.quantities(), *ROAD}
     shares: dict[str, Array] = {}
     for wheel, where in vehicle.wheels.items():
-        stood_for = _stood_for(vehicle, where, place)
+        stood_for = stands_for(vehicle, where, place)
         taken: dict[tuple[str, str], str] = {}
         for i, name in enumerate(columns):
             field, corners = (name, stood_for) if name in fields else corners_of(name)
@@ -165,7 +165,7 @@ def _shares(vehicle: Vehicle, place: str | None, columns: Sequence[str]) -> dict
     return shares
 
 
-def _stood_for(vehicle: Vehicle, wheel: Wheel, place: str | None) -> frozenset[str]:
+def stands_for(vehicle: Vehicle, wheel: Wheel, place: str | None) -> frozenset[str]:
     """Corners of a car that a wheel of the cheap vehicle stands for."""
     axles, sides = (set(column) for column in zip(*vehicle.wheels.values(), strict=True))
     measured = FullCar.wheels.get(place or "")
@@ -177,11 +177,11 @@ def _stood_for(vehicle: Vehicle, wheel: Wheel, place: str | None) -> frozenset[s
     return frozenset(name for name, corner in FullCar.wheels.items() if stands(corner))
 
 
-def _own_place(vehicle: Vehicle, place: str | None) -> str | None:
+def own_place(vehicle: Vehicle, place: str | None) -> str | None:
     """The cheap vehicle's name of a place on the car."""
     if len(vehicle.wheels) == 1 or place not in FullCar.wheels:
         return None if len(vehicle.wheels) == 1 else place
-    return next(name for name, wheel in vehicle.wheels.items() if place in _stood_for(vehicle, wheel, place))
+    return next(name for name, wheel in vehicle.wheels.items() if place in stands_for(vehicle, wheel, place))
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,6 +33,9 @@ FORMAT = "susp_ss surrogate"
 VERSION = 2
 """Of the file's layout; files of a later one are refused."""
 
+NO_JSON = "not a surrogate file, or cut short"
+"""What is said of text that is no JSON."""
+
 # Kinds that files of version 1 held with another library's numbers.
 FOREIGN = ("Kriging", "CoKriging")
 
@@ -253,37 +256,59 @@ def load_surrogate(path: str | PathLike[str]) -> SuspensionSurrogate:
     """
     text = utf8_text(Path(path))
     try:
-        document = json.loads(text, parse_constant=_refuse_constant)
-    except RecursionError:
-        raise ValueError(f"{path}: not a surrogate file: nested too deeply") from None
-    except json.JSONDecodeError as error:
-        raise ValueError(
-            f"{path}: not a surrogate file, or cut short: {error.msg} (at line {error.lineno}, column {error.colno})"
-        ) from None
+        return surrogate_of(_document(text))
     except ValueError as error:
-        raise ValueError(f"{path}: not a surrogate file: {error}") from None
+        raise ValueError(f"{path}: {error}") from error
+
+
+def _document(text: str) -> Any:
+    try:
+        return json.loads(text, parse_constant=_refuse_constant)
+    except RecursionError:
+        raise ValueError("not a surrogate file: nested too deeply") from None
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{NO_JSON}: {error.msg} (at line {error.lineno}, column {error.colno})") from None
+    except ValueError as error:
+        raise ValueError(f"not a surrogate file: {error}") from None
+
+
+def surrogate_of(document: Any) -> SuspensionSurrogate:
+    """Make the surrogate of what `SuspensionSurrogate.document` returned.
+
+    Raises
+    ------
+    ValueError
+        As `load_surrogate`, without a name.
+
+    Examples
+    --------
+    >>> from susp_ss.fit.surrogate_file import surrogate_of
+    >>> surrogate_of({})
+    Traceback (most recent call last):
+    ValueError: not a surrogate file: it must say "format": "susp_ss surrogate"
+    """
     if not isinstance(document, dict) or document.get("format") != FORMAT:
-        raise ValueError(f'{path}: not a surrogate file: it must say "format": "{FORMAT}"')
+        raise ValueError(f'not a surrogate file: it must say "format": "{FORMAT}"')
     version = document.get("version")
     if not isinstance(version, int) or isinstance(version, bool) or version < 1:
-        raise ValueError(f"{path}: damaged: version must be a whole number >= 1, got {briefly(version)}")
+        raise ValueError(f"damaged: version must be a whole number >= 1, got {briefly(version)}")
     if version > VERSION:
         raise ValueError(
-            f"{path}: written by a newer susp_ss ({document.get('susp_ss')}, file version {version}), this one reads "
+            f"written by a newer susp_ss ({document.get('susp_ss')}, file version {version}), this one reads "
             f"up to file version {VERSION}; install that version"
         )
     foreign = _foreign(document) if version < VERSION else None
     if foreign:
         raise ValueError(
-            f"{path}: holds {foreign} of file version {version}, which another library trained; fit the runs again "
+            f"holds {foreign} of file version {version}, which another library trained; fit the runs again "
             "with susp-ss fit"
         )
     try:
         return _restored(document)
     except KeyError as error:
-        raise ValueError(f"{path}: damaged: {error} is missing") from error
+        raise ValueError(f"damaged: {error} is missing") from error
     except (ValueError, TypeError, AttributeError, IndexError) as error:
-        raise ValueError(f"{path}: damaged: {error}") from error
+        raise ValueError(f"damaged: {error}") from error
 
 
 def _foreign(document: dict[str, Any]) -> str | None:

@@ -14,7 +14,7 @@ explorer.page = (() => {
   let address = []; // What is wrong with the URL, until something moves.
   const wrong = new Map(); // What else is, by its name.
   let flying = false; // Whether a question is not answered yet.
-  let now = { key: null, state: null, results: null };
+  let now = { key: null, files: null, state: null, results: null };
   let background = { key: null, found: null }; // Of the carpet, which takes seconds.
   let slowFlight = null; // The conditions of the background on its way.
   let quiet = null; // The timer that runs while something moves.
@@ -47,13 +47,14 @@ explorer.page = (() => {
     const { state } = here;
     const key = keyOf(state);
     const old = references().filter((one) => one.key !== key && answers.get(one.pin)?.key !== one.key);
-    const busy = now.key !== key || old.length > 0;
+    const files = explorer.opened.files();
+    const busy = now.key !== key || now.files !== files || old.length > 0;
     element("panels").setAttribute("aria-busy", busy);
     if (!busy) return;
     flying = true;
     explorer.answers.live(
-      { state, pins: old.map((one) => one.state) },
-      ({ found, pins }) => answered({ key, state, results: found }, old, pins),
+      { state, pins: old.map((one) => one.state), files },
+      ({ found, pins }) => answered({ key, files, state, results: found }, old, pins),
       unanswered,
     );
   }
@@ -87,10 +88,12 @@ explorer.page = (() => {
     const all = designs();
     for (const name of names) {
       const found = now.results[NEEDS[name] ?? name];
-      element(name).hidden = !found; // It could not be computed; the line above the page says why.
-      element(`panel-${name}`).hidden = found?.length === 0; // There is no such thing.
+      const none = found?.length === 0; // There is no such thing.
+      const panel = element(`panel-${name}`);
+      element(name).hidden = !found || none; // It could not be computed; the line above the page says why.
+      panel.hidden = none && !panel.contains(element("open"));
       waiting.delete(name);
-      if (!found || found.length === 0) continue;
+      if (!found || none) continue;
       if (seen.has(name) || !quiet) (explorer.tables[name] ?? explorer.panels[name])(all, now.state, background.found);
       else waiting.add(name);
     }
@@ -233,6 +236,7 @@ explorer.page = (() => {
     select.addEventListener("change", () => move(null, { state: explorer.state.changed(here.state, select.value) }));
     element("models").append(select);
     explorer.controls.listen(set);
+    explorer.opened.start(ask);
     buttons();
     const watch = new IntersectionObserver((entries) => {
       for (const { target, isIntersecting } of entries) {

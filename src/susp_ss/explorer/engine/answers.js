@@ -69,9 +69,10 @@ function overFrequency(car, road, outputs) {
   return { frequency: FREQUENCIES, bode, psd };
 }
 
-function compute(state) {
+// `files` are surrogates that the page has opened, { name, text }.
+function compute(state, files = []) {
   const car = carOf(state), road = roadOf(state), never = car.impossible(), why = never || refused(car, road);
-  const found = { errors: why ? [{ parameter: "", message: why }] : [], surrogates: [] };
+  const found = { errors: why ? [{ parameter: "", message: why }] : [], surrogates: surrogates(files, state) };
   if (never) return found;
   // What curves come to depends on the road.
   const own = why && state.curve ? null : car.at(road);
@@ -88,4 +89,4 @@ function compared(state) {
 }
 
 // The design that moves, and others under the same conditions.
-const answer = ({ state, pins }) => ({ found: compute(state), pins: pins.map(compared) });
+const answer = ({ state, pins, files }) => ({ found: compute(state, files), pins: pins.map(compared) });

@@ -1,0 +1,130 @@
+// What surrogates of opened files predict of a state's car, beside its exact value: susp_ss.explorer.surrogates.
+
+// A file's text as surrogates; what is wrong with it is said by a Refusal.
+function surrogateOf(text) {
+  let document;
+  try {
+    document = JSON.parse(text);
+  } catch (error) {
+    throw new Refusal(`${WORDS.no_json}: ${error.message}`);
+  }
+  if (document?.format !== FITTED.format) throw new Refusal(WORDS.no_surrogate);
+  const { version, susp_ss: release } = document;
+  if (!Number.isInteger(version) || version < 1) throw damaged(`version is ${version}`);
+  if (version > FITTED.version) {
+    throw new Refusal(WORDS.newer.replace(`version ${FITTED.version + 1}`, `version ${version}`).replace("{release}", release));
+  }
+  const inputs = [...tableOf(document.inputs, "inputs").keys()], outputs = [...tableOf(document.outputs, "outputs")];
+  tableOf(document.low_fidelity, "low_fidelity");
+  if (!outputs.length) throw damaged("it has no outputs");
+  return elsewhere(() => {
+    const cheap = new CheapModel(document.low_fidelity);
+    return { inputs, cheap, outputs: outputs.map(([name, numbers]) => outputOf(name, numbers, version, inputs, cheap)) };
+  });
+}
+
+// What is made, or { refused } of what only susp-ss explore makes.
+function elsewhere(make) {
+  try {
+    return make();
+  } catch (error) {
+    if (error instanceof Elsewhere) return { refused: error.message };
+    throw error;
+  }
+}
+
+function outputOf(name, numbers, version, columns, cheap) {
+  for (const part of ["settings", "found", "accuracy"]) tableOf(numbers?.[part], `${name}: ${part}`);
+  const { kind, unit, box } = numbers, called = numbers.accuracy.surrogate ?? kind;
+  if (!FITTED.kinds.includes(kind)) throw damaged(`${name} is a ${kind}`);
+  if (version < FITTED.version && FITTED.foreign.includes(kind)) throw damaged(`${name} is a ${kind} of file version ${version}`);
+  if (String(numbers.columns) !== String(columns)) throw damaged(`${name} must have the columns ${columns.join(", ")}`);
+  const [lowest, highest] = [0, 1].map((end) => numbersOf(box?.[end]?.map((one) => one ?? 0), `box of ${name}`, columns.length)
+    .map((one, i) => box[end][i] ?? (end ? Infinity : -Infinity)));
+  const made = elsewhere(() => {
+    if (!Object.hasOwn(MADE, kind)) throw new Elsewhere(kind);
+    const model = MADE[kind](numbers, (tuned) => cheap.response(name, columns, tuned)), filter = cheap.through(metricAndPlace(name).metric);
+    const somewhere = lowest.map((one) => (Number.isFinite(one) ? one : Math.sign(one)));
+    if (!Number.isFinite(model.predict(somewhere).value)) throw damaged(`${name} has no finite value`);
+    return { model, filter };
+  });
+  return { name, unit, called, lowest, highest, ...made };
+}
+
+// Whether a design lies outside a box, by more than rounding.
+const outsideOf = (design, { lowest, highest }) => design.some((one, i) => {
+  const edge = FITTED.edge * Math.max(Math.abs(lowest[i]), Math.abs(highest[i]));
+  return one < lowest[i] - edge || one > highest[i] + edge;
+});
+
+// The value of an input that a car or its road has.
+function inputOf(name, car, road) {
+  if (Object.hasOwn(FITTED.road, name)) return road[name];
+  const { fields } = car.files.call, [field, wheels] = Object.hasOwn(car.named, name) ? car.named[name] : [name, []];
+  const rate = (key) => {
+    const at = car.dampers ? car.dampers.indexOf(key) : -1;
+    return at < 0 ? car.parameters[key] : 0.5 * (car.laws[at].slopes[1] + car.laws[at].slopes[2]);
+  };
+  const values = wheels.map((wheel) => rate(fields[field]?.wheels ? `${field}_${wheel}` : field));
+  if (values[0] === undefined) throw new Refusal(filled(WORDS.lacking, { name, kind: car.type }));
+  if (new Set(values).size === 1) return values[0];
+  const said = wheels.map((wheel, i) => `${wheel} ${general(values[i], 6)}`).join(", ");
+  throw new Refusal(filled(WORDS.several, { name, wheels: wheels.join(", "), values: said }));
+}
+
+function predictions({ name, fitted }, state) {
+  if (fitted.refused) return [{ surrogate: name, refused: fitted.refused }];
+  const car = carOf(state), design = fitted.inputs.map((own) => inputOf(own, car, state.road));
+  const predicted = fitted.outputs.map(({ model }) => model?.predict(design));
+  const ofRoad = fitted.inputs.map((own, i) => [own, design[i]]).filter(([own]) => Object.hasOwn(FITTED.road, own));
+  const road = { ...fitted.cheap.road, ...Object.fromEntries(ofRoad) }, places = fitted.outputs.map((one) => metricAndPlace(one.name));
+  const named = ({ metric, place }) => [`${metric}@${place ?? fitted.cheap.place}`, metric];
+  const index = (own) => car.measured.findIndex(({ name: one }) => one === own);
+  const rows = places.map((one) => named(one).map(index).find((at) => at >= 0));
+  fitted.outputs.forEach(({ filter }, i) => {
+    const { metric } = places[i], is = (name) => name === metric || name.startsWith(`${metric}@`);
+    if (filter && !car.measured.some((one) => is(one.name))) throw unweighted(metric, car);
+  });
+  const known = new Map([null, ...fitted.outputs.map(({ filter }) => filter)].map((filter) => [filter ?? null, null]));
+  for (const filter of known.keys()) known.set(filter, measuredThrough(car, road, filter));
+  const outside = fitted.outputs.some((one) => outsideOf(design, one));
+  return fitted.outputs.map(({ name: output, unit, called, filter, refused: why }, i) => {
+    const surrogate = `${name}: ${called}`, at = rows[i];
+    if (why) return { surrogate, refused: `${output}: ${why}` };
+    const { value, low, high } = predicted[i], bounds = { low: finite(low), high: finite(high) };
+    const exact = at === undefined ? null : finite(known.get(filter)[at]);
+    return { surrogate, output: car.measured[at]?.name ?? output, unit, value: finite(value), ...bounds, exact, outside };
+  });
+}
+
+function unweighted(metric, car) {
+  const names = new Set(car.measured.filter(({ damper }) => damper === null).map((one) => one.name.split("@")[0]));
+  return new Refusal(filled(WORDS.unweighted, { name: `'${metric}'`, outputs: [...names].join(", ") }));
+}
+
+// What is opened, by its text; of a file that is opened no more, nothing is kept.
+let opened = new Map();
+
+// Rows of all opened files { name, text }, or why there are none.
+function surrogates(files, state) {
+  opened = new Map(files.map(({ text }) => [text, opened.get(text) ?? surrogateOf(text)]));
+  return files.flatMap(({ name, text }) => {
+    try {
+      return predictions({ name, fitted: opened.get(text) }, state);
+    } catch (error) {
+      if (error instanceof Refusal) return [{ surrogate: name, refused: error.message }];
+      throw error;
+    }
+  });
+}
+
+// Why a file's text is no surrogate; nothing if it is one.
+function wrong(text) {
+  try {
+    surrogateOf(text);
+    return "";
+  } catch (error) {
+    if (error instanceof Refusal) return error.message;
+    throw error;
+  }
+}
