@@ -14,7 +14,8 @@ from ..quantities import CORNERS, GROUPS, METRICS, ROAD, signal
 from ..roads.road import TRACKS
 from ..surrogates import intervals, numbers, regressor
 from ..surrogates.low_fidelity import evaluated
-from ..vehicles.files import model_name
+from ..vehicles import MODELS
+from ..vehicles.files import model_name, model_named
 from ..vehicles.full import FullCar
 from ..vehicles.quarter import QuarterCar
 from ..vehicles.vehicle import Vehicle
@@ -54,6 +55,7 @@ def constants() -> dict[str, Any]:
             "version": surrogate_file.VERSION,
             "foreign": surrogate_file.FOREIGN,
             "kinds": list(numbers.KINDS),
+            "models": list(MODELS),
             "accelerations": ACCELERATIONS,
             "metrics": list(METRICS),
             "road": {name: quantity.zero for name, quantity in ROAD.items()},
@@ -79,6 +81,7 @@ def words() -> dict[str, str]:
         "no_json": surrogate_file.NO_JSON,
         "no_surrogate": refusal(lambda: surrogate_file.surrogate_of({})),
         "newer": refusal(lambda: surrogate_file.surrogate_of(newer)),
+        "no_model": refusal(lambda: model_named("{name}")),
         "infinite_cheap": infinite.replace("got inf", "got {value}"),
         "unweighted": weighted[: weighted.index("available: ")].replace("'{name}'", "{name}") + "available: {outputs}",
     }

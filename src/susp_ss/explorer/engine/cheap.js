@@ -62,8 +62,9 @@ function parametersOf(kind, entries) {
 
 class CheapModel {
   constructor({ vehicle, road, place, parameter, weighting }) {
-    const own = tableOf(vehicle, "vehicle");
-    this.kind = CHEAP.get(own.get("model"));
+    const own = tableOf(vehicle, "vehicle"), model = own.get("model");
+    if (!FITTED.models.includes(model)) throw damaged(filled(WORDS.no_model, { name: model }));
+    this.kind = CHEAP.get(model);
     this.known = this.kind !== undefined && !own.has("seats");
     this.parameters = this.known ? parametersOf(this.kind, tableOf(own.get("parameters") ?? {}, "parameters")) : null;
     this.road = fittedRoad(road);

@@ -6,7 +6,7 @@ function surrogateOf(text) {
   try {
     document = JSON.parse(text);
   } catch (error) {
-    throw new Refusal(`${WORDS.no_json}: ${error.message}`);
+    throw new Refusal(`${WORDS.no_json}: ${error.message.replace(/\s+/g, " ")}`);
   }
   if (document?.format !== FITTED.format) throw new Refusal(WORDS.no_surrogate);
   const { version, susp_ss: release } = document;
