@@ -165,7 +165,7 @@ def test_kriging_is_restored_without_a_search(path, monkeypatch):
         raise AssertionError("searched")
 
     monkeypatch.setattr("susp_ss.surrogates.gaussian_process.Process.search", never)
-    assert np.isfinite(ss.load_surrogate(path).predict(runs(3, 4))).all(axis=None)
+    assert np.isfinite(ss.load_surrogate(path).predict(runs(3, 4), interval=0.95)).all(axis=None)
 
 
 def test_a_file_that_cannot_be_written_leaves_the_old_one(fitted, path, monkeypatch):

@@ -103,6 +103,17 @@ def test_damaged_errors_are_refused(part, value):
         from_numbers(numbers)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [{"folds": [0, 1]}, {"folds": [0, 0, 0]}, {"folds": [0, 1, 3]}, {"fits": []}, {"fits": [{}, {}, {}]}, {"fits": 3}],
+)
+def test_damaged_fits_without_a_run_are_refused(change):
+    numbers = to_numbers(ss.RadialBasis("linear").fit([[0.0], [1.0], [2.0]], [1.0, 2.0, 4.0]))
+    numbers["left_out"] |= change
+    with pytest.raises((ValueError, KeyError, TypeError)):
+        from_numbers(numbers)
+
+
 def test_every_kind_is_tested():
     assert {type(surrogate) for surrogate in FITTED} == set(KINDS.values())
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from .folds import Fold, in_fold, one_blas_thread, split, unfitted
-from .intervals import LeftOut
+from .intervals import LeftOut, left_out_of
 from .regressor import Array, Surrogate
 
 # The others' least share in a combination of columns, a singular value, from which the closed form keeps ten digits.
@@ -38,6 +38,12 @@ class ByCoefficients(Surrogate):
             with one_blas_thread():
                 self._left_out = self.without(split(self._fitted_to[0], None, 0))
         return self._left_out
+
+    def _numbers_without(self) -> dict[str, Any]:
+        return self.left_out()._asdict()
+
+    def _restore_without(self, found: dict[str, Any]) -> None:
+        self._left_out = left_out_of(found, len(self._coefficients()))
 
     def without(self, folds: Sequence[Fold]) -> LeftOut:
         """Return what fits to the others of each fold found; each run is in one.

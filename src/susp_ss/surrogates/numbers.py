@@ -10,9 +10,7 @@ import numpy as np
 from sklearn.utils.validation import check_is_fitted
 
 from ..quantities import briefly
-from .by_coefficients import ByCoefficients
 from .correction import ResponseBased, VariableBased
-from .intervals import left_out_of
 from .kriging import CoKriging, Kriging
 from .parameter import ParameterBased
 from .polynomial import Polynomial
@@ -37,8 +35,8 @@ def to_numbers(surrogate: Surrogate) -> dict[str, Any]:
     -------
     dict
         ``kind``, ``settings`` (the arguments of the class), ``columns`` (names, or null), ``box`` (lowest and highest
-        value of each column; null where there is no end) and ``found`` (what the fit found) and, of a surrogate of some
-        coefficients, ``left_out`` (what its fits without some runs found; null if there are none), for intervals.
+        value of each column; null where there is no end), ``found`` (what the fit found) and, for intervals,
+        ``left_out`` (what its fits without some runs found; null if there are none).
 
     Raises
     ------
@@ -71,7 +69,7 @@ def to_numbers(surrogate: Surrogate) -> dict[str, Any]:
             for ends in (surrogate.lowest_, surrogate.highest_)
         ],
         "found": {name: _plain(name, value) for name, value in surrogate._numbers().items()},
-        **({"left_out": _left_out(surrogate)} if isinstance(surrogate, ByCoefficients) else {}),
+        "left_out": _left_out(surrogate),
     }
 
 
@@ -107,17 +105,18 @@ def from_numbers(numbers: Mapping[str, Any], low_fidelity: Callable[..., Any] | 
     if numbers["columns"] is not None:
         surrogate.feature_names_in_ = np.array(numbers["columns"], dtype=object)
     surrogate._restore(numbers["found"])
-    if isinstance(surrogate, ByCoefficients) and numbers.get("left_out") is not None:
-        surrogate._left_out = left_out_of(numbers["left_out"], len(surrogate._coefficients()))
+    # Older files may have none.
+    if numbers.get("left_out") is not None:
+        surrogate._restore_without(numbers["left_out"])
     return surrogate
 
 
-def _left_out(surrogate: ByCoefficients) -> dict[str, Any] | None:
+def _left_out(surrogate: Surrogate) -> dict[str, Any] | None:
     try:
-        found = surrogate.left_out()
+        found = surrogate._numbers_without()
     except (ValueError, RuntimeError):
         return None
-    return {name: _plain(name, value) for name, value in found._asdict().items()}
+    return {name: _plain(name, value) for name, value in found.items()}
 
 
 def _plain(name: str, value: Any) -> Any:
@@ -125,6 +124,8 @@ def _plain(name: str, value: Any) -> Any:
         return value.item()
     if isinstance(value, np.ndarray):
         return value.tolist()
+    if isinstance(value, dict):
+        return {key: _plain(key, part) for key, part in value.items()}
     if isinstance(value, (list, tuple)):
         return [_plain(name, part) for part in value]
     if value is None or isinstance(value, (bool, int, float, str)):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import warnings
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -139,6 +140,20 @@ class Surrogate(RegressorMixin, BaseEstimator):
         """Take up what a fit found, after its columns and box."""
         raise NotImplementedError
 
+    def _numbers_without(self) -> dict[str, Any]:
+        """What fits without some runs found, from which `_restore_without` makes the same intervals.
+
+        Raises
+        ------
+        ValueError, RuntimeError
+            There are no such fits.
+        """
+        raise NotImplementedError
+
+    def _restore_without(self, found: dict[str, Any]) -> None:
+        """Take up what fits without some runs found, after all else."""
+        raise NotImplementedError
+
     def _runs(self, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
         """Designs (n, k) and responses (n,) to be fitted, finite numbers and at least two."""
         designs, responses = validate_data(self, X, y, y_numeric=True, dtype=float, ensure_min_samples=2)
@@ -172,6 +187,13 @@ class Surrogate(RegressorMixin, BaseEstimator):
         return f"column {column} of X" if names is None else str(names[column])
 
 
+# Fits without some runs, which these are, and by how much the fit misses them in the measure of its errors there.
+Deputies: TypeAlias = "list[tuple[Approximation, NDArray[np.intp], Array]]"
+
+RUNS = ("designs", "responses")
+"""Names of `Approximation.runs_` among numbers."""
+
+
 class Approximation(Surrogate):
     """A surrogate of the responses alone, on columns that run from -1 to 1 over the box of its runs.
 
@@ -181,9 +203,9 @@ class Approximation(Surrogate):
         Designs and responses that an interpolant goes through.
     """
 
-    _deputies: list[tuple[Approximation, NDArray[np.intp], Array]] | None = None
+    _deputies: Deputies | None = None
 
-    def _without(self) -> list[tuple[Approximation, NDArray[np.intp], Array]]:
+    def _without(self) -> Deputies:
         """Fits without each design, or a tenth of more than 30 runs, shapes and thetas their own.
 
         With what each lacks, and how far it misses that in terms of the size of its errors there.
@@ -197,11 +219,35 @@ class Approximation(Surrogate):
                     (unfitted(self).fit(designs[fitted], responses[fitted]), left_out)
                     for fitted, left_out in split(designs, None, 0)
                 ]
-            self._deputies = []
-            for deputy, lacking in parts:
-                there, size = deputy._at_with_size(designs[lacking])
-                self._deputies.append((deputy, lacking, np.abs(responses[lacking] - there) / size))
+            self._deputies = self._missing(parts)
         return self._deputies
+
+    def _missing(self, parts: Iterable[tuple[Approximation, NDArray[np.intp]]]) -> Deputies:
+        """Deputies, and how far they miss the runs that they lack."""
+        designs, responses = self.runs_
+        deputies: Deputies = []
+        for deputy, lacking in parts:
+            there, size = deputy._at_with_size(designs[lacking])
+            deputies.append((deputy, lacking, np.abs(responses[lacking] - there) / size))
+        return deputies
+
+    def _numbers_without(self) -> dict[str, Any]:
+        folds, fits = np.empty(len(self.runs_[0]), dtype=np.intp), []
+        for i, (deputy, lacking, _) in enumerate(self._without()):
+            folds[lacking] = i
+            fits.append({name: value for name, value in deputy._numbers().items() if name not in RUNS})
+        return {"folds": folds, "fits": fits}
+
+    def _restore_without(self, found: dict[str, Any]) -> None:
+        folds, fits, parts = np.asarray(found["folds"]), found["fits"], []
+        if folds.shape != (len(self.runs_[0]),) or set(folds.tolist()) != set(range(len(fits))):
+            raise ValueError("left_out must have one fold a run, and one fit for each fold")
+        for i, fit in enumerate(fits):
+            deputy = unfitted(self)
+            deputy.n_features_in_ = self.n_features_in_
+            deputy._restore({**fit, **{name: rows[folds != i] for name, rows in zip(RUNS, self.runs_, strict=True)}})
+            parts.append((deputy, np.flatnonzero(folds == i)))
+        self._deputies = self._missing(parts)
 
     def _common(self, designs: Array) -> tuple[Array, ...]:
         """What fits to any of the runs make of designs alike."""
@@ -263,7 +309,7 @@ class Approximation(Surrogate):
 
     def _found_runs(self, found: dict[str, Any]) -> tuple[Array, Array]:
         """Take up the runs that an approximation keeps, and their box."""
-        designs, responses = (np.asarray(found[name], dtype=float) for name in ("designs", "responses"))
+        designs, responses = (np.asarray(found[name], dtype=float) for name in RUNS)
         if designs.ndim != 2 or designs.shape != (len(responses), self.n_features_in_) or responses.ndim != 1:
             raise ValueError(
                 f"designs and responses must be (n, {self.n_features_in_}) and (n,), got {designs.shape} and "
