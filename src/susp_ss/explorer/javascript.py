@@ -47,7 +47,8 @@ SOURCES = (
     *("algebra.js", "complex.js", "modes.js", "eigen.js", "covariance.js"),
     *("ride.js", "moving.js", "motion.js", "forms.js", "curves.js", "answers.js"),
     *("descent.js", "front.js", "decay.js", "passage.js", "shaping.js", "preview.js", "bound.js"),
-    *("background.js", "zip.js", "fmu.js", "files.js", "cheap.js", "kinds.js", "surrogates.js"),
+    *("background.js", "zip.js", "fmu.js", "files.js"),
+    *("cheap.js", "kinds.js", "approximations.js", "surrogates.js"),
 )
 
 # What JavaScript asks of an assembled car.

@@ -12,7 +12,7 @@ from ..fit.low_fidelity import corners_of, own_place, stands_for
 from ..metrics.weightings import ACCELERATIONS, filters
 from ..quantities import CORNERS, GROUPS, METRICS, ROAD, signal
 from ..roads.road import TRACKS
-from ..surrogates import intervals, numbers, regressor
+from ..surrogates import gaussian_process, intervals, kriging, numbers, radial_basis, regressor
 from ..surrogates.low_fidelity import evaluated
 from ..vehicles import MODELS
 from ..vehicles.files import model_name, model_named
@@ -54,7 +54,6 @@ def constants() -> dict[str, Any]:
             "format": surrogate_file.FORMAT,
             "version": surrogate_file.VERSION,
             "foreign": surrogate_file.FOREIGN,
-            "kinds": list(numbers.KINDS),
             "models": list(MODELS),
             "accelerations": ACCELERATIONS,
             "metrics": list(METRICS),
@@ -62,6 +61,12 @@ def constants() -> dict[str, Any]:
             "tracks": TRACKS,
             "corners": list(CORNERS),
             "meant": {name: [field, sorted(corners)] for name, (field, corners) in meant.items()},
+            "least_degree": radial_basis.LEAST_DEGREE,
+            "degrees": list(kriging.TRENDS.values()),
+            "least_noise": gaussian_process.LEAST_NOISE,
+            "dependent": regressor.DEPENDENT,
+            "tiny": float(np.finfo(float).tiny),
+            "many": kriging.MANY,
             "edge": regressor.EDGE,
             "interval": INTERVAL,
             "rounding": intervals.EDGE,
@@ -81,6 +86,7 @@ def words() -> dict[str, str]:
         "no_json": surrogate_file.NO_JSON,
         "no_surrogate": refusal(lambda: surrogate_file.surrogate_of({})),
         "newer": refusal(lambda: surrogate_file.surrogate_of(newer)),
+        "no_kind": refusal(lambda: numbers.from_numbers({"kind": "{name}"})),
         "no_model": refusal(lambda: model_named("{name}")),
         "infinite_cheap": infinite.replace("got inf", "got {value}"),
         "unweighted": weighted[: weighted.index("available: ")].replace("'{name}'", "{name}") + "available: {outputs}",

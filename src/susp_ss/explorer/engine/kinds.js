@@ -32,6 +32,10 @@ class ByCoefficients {
     Object.assign(this, { coefficients, law, leftOut: leftOutOf(numbers, coefficients.length) });
   }
 
+  value(design) {
+    return this.law(design)(this.coefficients);
+  }
+
   predict(design) {
     const law = this.law(design), value = law(this.coefficients), nothing = { value, low: null, high: null };
     if (!this.leftOut) return nothing;
@@ -50,6 +54,13 @@ class ByCoefficients {
 function correction({ found }, terms) {
   if (!Number.isFinite(found.intercept)) throw damaged("intercept must be a number");
   return [found.intercept, ...numbersOf(found.coef, "coef", terms)];
+}
+
+// How many monomials there are in k columns up to a degree, unless these are more than so many.
+function countOf(k, degree, most) {
+  let count = 1;
+  for (let d = 1; d <= degree && count <= most; d++) count = (count * (k + d)) / d;
+  return count;
 }
 
 // Which of k columns are multiplied in every monomial up to a degree, in the order of susp_ss.surrogates.regressor.
@@ -95,8 +106,9 @@ const MADE = {
   Polynomial(numbers) {
     const k = numbers.columns.length, { degree } = numbers.settings, { box, coef } = numbers.found;
     if (!(Number.isInteger(degree) && degree > 0)) throw damaged(`degree is ${degree}`);
+    numbersOf(coef, "coef", countOf(k, degree, coef?.length));
     const scaled = scaling(...[0, 1].map((end) => numbersOf(box?.[end], "box", k))), terms = factors(k, degree);
-    return new ByCoefficients(numbers, numbersOf(coef, "coef", terms.length), (design) => {
+    return new ByCoefficients(numbers, coef, (design) => {
       const z = scaled(design), columns = terms.map((term) => term.reduce((total, i) => total * z[i], 1));
       return (a) => dot(a, columns);
     });

@@ -16,7 +16,7 @@ function surrogateOf(text) {
   }
   const inputs = [...tableOf(document.inputs, "inputs").keys()], outputs = [...tableOf(document.outputs, "outputs")];
   tableOf(document.low_fidelity, "low_fidelity");
-  if (!outputs.length) throw damaged("it has no outputs");
+  if (!inputs.length || !outputs.length) throw damaged("it has no inputs or no outputs");
   return elsewhere(() => {
     const cheap = new CheapModel(document.low_fidelity);
     return { inputs, cheap, outputs: outputs.map(([name, numbers]) => outputOf(name, numbers, version, inputs, cheap)) };
@@ -36,16 +36,15 @@ function elsewhere(make) {
 function outputOf(name, numbers, version, columns, cheap) {
   for (const part of ["settings", "found", "accuracy"]) tableOf(numbers?.[part], `${name}: ${part}`);
   const { kind, unit, box } = numbers, called = numbers.accuracy.surrogate ?? kind;
-  if (!FITTED.kinds.includes(kind)) throw damaged(`${name} is a ${kind}`);
+  if (!Object.hasOwn(MADE, kind)) throw damaged(filled(WORDS.no_kind, { name: kind }));
   if (version < FITTED.version && FITTED.foreign.includes(kind)) throw damaged(`${name} is a ${kind} of file version ${version}`);
   if (String(numbers.columns) !== String(columns)) throw damaged(`${name} must have the columns ${columns.join(", ")}`);
   const [lowest, highest] = [0, 1].map((end) => numbersOf(box?.[end]?.map((one) => one ?? 0), `box of ${name}`, columns.length)
     .map((one, i) => box[end][i] ?? (end ? Infinity : -Infinity)));
   const made = elsewhere(() => {
-    if (!Object.hasOwn(MADE, kind)) throw new Elsewhere(kind);
     const model = MADE[kind](numbers, (tuned) => cheap.response(name, columns, tuned)), filter = cheap.through(metricAndPlace(name).metric);
     const somewhere = lowest.map((one) => (Number.isFinite(one) ? one : Math.sign(one)));
-    if (!Number.isFinite(model.predict(somewhere).value)) throw damaged(`${name} has no finite value`);
+    if (!Number.isFinite(model.value(somewhere))) throw damaged(`${name} has no finite value`);
     return { model, filter };
   });
   return { name, unit, called, lowest, highest, ...made };
@@ -107,9 +106,11 @@ let opened = new Map();
 
 // Rows of all opened files { name, text }, or why there are none.
 function surrogates(files, state) {
-  opened = new Map(files.map(({ text }) => [text, opened.get(text) ?? surrogateOf(text)]));
+  const before = opened;
+  opened = new Map();
   return files.flatMap(({ name, text }) => {
     try {
+      opened.set(text, before.get(text) ?? surrogateOf(text));
       return predictions({ name, fitted: opened.get(text) }, state);
     } catch (error) {
       if (error instanceof Refusal) return [{ surrogate: name, refused: error.message }];
