@@ -1,6 +1,7 @@
 """Surrogate files that the page without a server opens, beside what the package says of them."""
 
 import dataclasses
+import functools
 import json
 import runpy
 from pathlib import Path
@@ -130,11 +131,16 @@ def approximations():
 FITS = {made.__name__: made for made in (corrections, few, half, whole, approximations)}
 
 
-@pytest.fixture(scope="module", params=FITS)
-def fitted(request):
+@functools.cache
+def filed(name):
     """A fit as its file gives it back, and the file's text."""
-    text = json.dumps(FITS[request.param]().document())
+    text = json.dumps(FITS[name]().document())
     return surrogate_of(json.loads(text)), text
+
+
+@pytest.fixture(params=FITS)
+def fitted(request):
+    return filed(request.param)
 
 
 def asked(ask, text, states):
@@ -196,7 +202,7 @@ def changed(document, change):
 
 @pytest.fixture(scope="module")
 def text():
-    return json.dumps(few().document())
+    return filed("few")[1]
 
 
 def test_vehicles_are_refused_in_the_words_of_the_package(ask, text):
@@ -232,7 +238,7 @@ def test_what_only_the_server_has_is_said(ask, text, change, said):
 
 
 def test_every_kind_is_tested():
-    assert {type(model).__name__ for made in FITS.values() for model in made().models.values()} == {*KINDS}
+    assert {type(model).__name__ for name in FITS for model in filed(name)[0].models.values()} == {*KINDS}
 
 
 def test_what_is_as_smooth_as_digits_bear(ask):
@@ -324,9 +330,8 @@ def test_a_file_is_opened_in_the_page_and_closed(browser, script, text, tmp_path
     tab.wait_for_selector("#panels[aria-busy=false]")
     button = tab.get_by_role("button", name="Open file: surrogate.json")
     assert tab.locator("#surrogates").is_hidden()
-    button.focus()
     with tab.expect_file_chooser() as chooser:
-        tab.keyboard.press("Enter")
+        button.click()
     chooser.value.set_files([tmp_path / "broken.json", tmp_path / "runs.json"])
     closing = tab.get_by_role("button", name="Close runs.json")
     closing.wait_for()
