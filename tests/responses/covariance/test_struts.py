@@ -13,7 +13,7 @@ import oracles
 import susp_ss as ss
 from models import ROADS, VEHICLES, WHEEL_ROADS
 from susp_ss.responses.covariance import digits, polynomials, routes, struts, symmetric, whole
-from susp_ss.responses.excitation import spanned
+from susp_ss.responses.excitation import processes, spanned
 from susp_ss.vehicles.half import corners
 from susp_ss.vehicles.linkage import Linkage, Wheel, coordinates
 from susp_ss.vehicles.vehicle import Vehicle
@@ -363,7 +363,7 @@ def test_a_rigid_tyre_or_matrices_of_its_own_take_matrices():
 
 def test_bounds_on_turns_hold():
     _, flat, _ = spanned(apart(1.0), ss.Road())
-    problem = whole.problem(flat.whole(), flat, ss.Road(), 1)
+    problem = whole.problem(flat.whole(), flat, ss.Road(), 1, processes(flat, ss.Road()))
     roots = np.roots(struts.linked(problem.chassis).D[::-1, 0])
     (tau,) = problem.delays.values()
     bound = digits.turns(problem.stiffened(), problem.compliance(), tau)

@@ -29,7 +29,6 @@ from numpy.typing import NDArray
 
 from ...roads.road import Road
 from ...vehicles.contract import Model, RoadVehicle
-from ...vehicles.decoupled import OnStruts
 from ...vehicles.parameters import DesignSpace, SomeDesigns, blocks
 from ..excitation import Process, processes, vanishing_outputs
 from . import polynomials, struts
@@ -98,21 +97,22 @@ def by_matrices(
 
 def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Array) -> NDArray[np.bool_]:
     """Fill in the variances (outputs, N) of what goes by polynomials; say which designs (N,) are left to matrices."""
-    size = variances.shape[1]
-    parts, left = _parts(flat, road), np.ones(size, dtype=bool)
+    halves, size = flat.halves() if _on_all_wheels(road, flat) else (), variances.shape[1]
+    whole, left = None if halves else flat.whole(), np.ones(size, dtype=bool)
+    parts = halves if whole is None else (whole,)
     if not parts:
         return left
-    halved = len(parts[0].struts) <= 2
+    short = bool(halves) and len(halves[0].struts) <= 2
     # What a block frees, the next one needs: the C library keeps it once it has seen so large an array freed. Otherwise
     # it is handed back and zeroed anew page by page, which takes a third of all the time.
     np.empty(KEPT)
-    plenty, block, long = (PLENTY, BLOCK, LONG_BLOCK) if halved else (MANY, STRUTS_BLOCK, LONG_STRUTS_BLOCK)
+    plenty, block, long = (PLENTY, BLOCK, LONG_BLOCK) if short else (MANY, STRUTS_BLOCK, LONG_STRUTS_BLOCK)
     compiled = designs >= plenty and compiler_found()
-    kernels: Any = polynomials if halved else struts
+    kernels: Any = polynomials if short else struts
     if compiled:
         from . import polynomials_numba, struts_numba
 
-        kernels = polynomials_numba if halved else struts_numba
+        kernels = polynomials_numba if short else struts_numba
 
     def solve(part: slice) -> None:
         count = part.stop - part.start
@@ -120,7 +120,7 @@ def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Arra
         def of(designs: Any) -> Any:
             return designs if count == size else designs.select(part)
 
-        solved = symmetric_variances if halved else whole_variances
+        solved = symmetric_variances if short else whole_variances
         variances[:, part], left[part] = solved([*map(of, parts)], of(flat), of(road), count, kernels)
 
     first, *others = blocks(size, long if compiled else block)
@@ -135,11 +135,8 @@ def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Arra
     return left
 
 
-def _parts(flat: RoadVehicle, road: Road) -> tuple[OnStruts, ...]:
-    """The vehicle's halves, where all of its wheels see the road; itself, if it is struts on a body; or nothing."""
-    halves = flat.halves() if road.wheels is None or set(flat.wheels) <= set(road.wheels) else ()
-    whole = None if halves else flat.whole()
-    return halves if whole is None else (whole,)
+def _on_all_wheels(road: Road, vehicle: RoadVehicle) -> bool:
+    return road.wheels is None or set(vehicle.wheels) <= set(road.wheels)
 
 
 def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
