@@ -335,7 +335,7 @@ def test_a_file_is_opened_in_the_page_and_closed(browser, script, text, tmp_path
     chooser.value.set_files([tmp_path / "broken.json", tmp_path / "runs.json"])
     closing = tab.get_by_role("button", name="Close runs.json")
     closing.wait_for()
-    assert tab.locator("#errors").inner_text().startswith("broken.json: not a surrogate file, or cut short")
+    assert tab.get_by_role("alert").all_inner_texts()[-1].startswith("broken.json: not a surrogate file, or cut short")
     assert tab.get_by_role("button", name="Close").count() == 1
     row = tab.locator("#surrogates tr", has_text="runs.json: VariableBased")
     value = expected(surrogate, from_query(query)[0])[1]["value"]
