@@ -13,7 +13,8 @@ import pytest
 import susp_ss as ss
 from susp_ss.explorer.design import road_of, vehicle_of
 from susp_ss.explorer.freeze import freeze
-from susp_ss.explorer.state import from_query
+from susp_ss.explorer.layout import layout
+from susp_ss.explorer.state import NOTHING, from_query
 from susp_ss.explorer.surrogates import predictions
 from susp_ss.fit.surrogate_file import SuspensionSurrogate, surrogate_of
 from susp_ss.quantities import unit_of
@@ -208,7 +209,12 @@ def text():
 def test_vehicles_are_refused_in_the_words_of_the_package(ask, text):
     surrogate = surrogate_of(json.loads(text))
     apart, soft = "ks_front=21000&cs_rear=1300", "model=ride-handling&ks_front=5053&ks_rear=5053&height=1.2&c=0.45"
-    for state, said in ((apart, "needs one ks for all of fr, fl, rr, rl"), (soft, "does not die out")):
+    large = "model=three-axle&ks_rear=1200000"
+    for state, said in (
+        (apart, "needs one ks for all of fr, fl, rr, rl"),
+        (soft, "does not die out"),
+        (large, "ml 550000, rr 1.2e+06"),
+    ):
         state = from_query(state)[0]
         (rows,) = asked(ask, text, [state])
         assert rows == expected(surrogate, state)
@@ -260,8 +266,8 @@ def test_what_is_as_smooth_as_digits_bear(ask):
     [
         (lambda one: one.pop("left_out"), "RadialBasis of an older file"),
         (
-            lambda one: one["found"].update(designs=[[1.0, 2.0]] * 501, responses=[1.0] * 501),
-            "RadialBasis of more than 500 runs",
+            lambda one: one["found"].update(designs=[[1.0, 2.0]] * 301, responses=[1.0] * 301),
+            "RadialBasis of more than 300 runs",
         ),
     ],
 )
@@ -315,6 +321,11 @@ def test_any_damage_is_refused_in_one_line_or_predicts(ask):
     assert {row["surrogate"].partition(":")[0] for row in answer["found"]["surrogates"]} == {
         *map(str, range(len(right)))
     }
+
+
+def test_a_page_with_a_server_has_no_button():
+    """Its surrogates are those that the server was started with."""
+    assert [repr(layout(NOTHING, served)).count("Open file: surrogate.json") for served in (True, False)] == [0, 2]
 
 
 def test_a_file_is_opened_in_the_page_and_closed(browser, script, text, tmp_path, monkeypatch):

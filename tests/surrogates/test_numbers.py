@@ -114,6 +114,16 @@ def test_damaged_fits_without_a_run_are_refused(change):
         from_numbers(numbers)
 
 
+def test_of_many_runs_fits_without_some_are_made_when_asked_for(monkeypatch):
+    X = np.random.default_rng(0).uniform(size=(12, 2))
+    fitted = ss.Kriging().fit(X, np.sin(9.0 * X[:, 0]) + X[:, 1] ** 3)
+    monkeypatch.setattr("susp_ss.surrogates.regressor.KEPT", 11)
+    numbers = to_numbers(fitted)
+    assert numbers["left_out"] is None
+    bounds = (model.predict(X, interval=0.9)[1] for model in (from_numbers(numbers), fitted))
+    np.testing.assert_array_equal(*bounds)
+
+
 def test_every_kind_is_tested():
     assert {type(surrogate) for surrogate in FITTED} == set(KINDS.values())
 

@@ -66,7 +66,7 @@ def constants() -> dict[str, Any]:
             "least_noise": gaussian_process.LEAST_NOISE,
             "dependent": regressor.DEPENDENT,
             "tiny": float(np.finfo(float).tiny),
-            "many": kriging.MANY,
+            "many": regressor.KEPT,
             "edge": regressor.EDGE,
             "interval": INTERVAL,
             "rounding": intervals.EDGE,

@@ -32,6 +32,9 @@ BATCH = 1000
 # Runs of an approximation that holds every distance between them: 200 MB, and a minute.
 MOST_RUNS = 5000
 
+# Runs up to which a file keeps what fits without some of them found, whose search takes seconds.
+KEPT = 300
+
 
 def independent(columns: Array) -> bool:
     """Whether no column is a combination of the others, beyond rounding, by their singular values."""
@@ -232,6 +235,8 @@ class Approximation(Surrogate):
         return deputies
 
     def _numbers_without(self) -> dict[str, Any]:
+        if len(self.runs_[0]) > KEPT:
+            raise ValueError(f"fits without some of more than {KEPT} runs are made when asked for")
         folds, fits = np.empty(len(self.runs_[0]), dtype=np.intp), []
         for i, (deputy, lacking, _) in enumerate(self._without()):
             folds[lacking] = i

@@ -178,9 +178,13 @@ class Ride {
   }
 }
 
-// Words with numbers in place of their names, and a number in so many digits.
+// Words with numbers in place of their names, and a number in so many digits, as Python's format g has it.
 const filled = (words, numbers) => words.replace(/\{(\w+)\}/g, (_, name) => numbers[name]);
-const general = (x, digits) => String(Number(x.toPrecision(digits)));
+const general = (x, digits) => {
+  const [mantissa, exponent] = x.toExponential(digits - 1).split("e").map(Number);
+  if (exponent >= -4 && exponent < digits) return String(Number(x.toPrecision(digits)));
+  return `${mantissa}e${exponent < 0 ? "-" : "+"}${String(Math.abs(exponent)).padStart(2, "0")}`;
+};
 
 // A real row times a complex vector.
 function applied(row, x) {
