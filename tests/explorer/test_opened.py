@@ -311,7 +311,7 @@ def test_a_file_that_is_none_is_refused_in_one_line(ask, text, change, said):
 def test_any_damage_is_refused_in_one_line_or_predicts(ask):
     damage = runpy.run_path(str(BENCHMARKS / "damaged_files.py"))
     rng = np.random.default_rng(2)
-    texts = [damage["damaged"](text, rng) for text in damage["documents"]().values() for _ in range(150)]
+    texts = [damage["damaged"](text, rng) for text in damage["documents"]().values() for _ in range(60)]
     said = ask("wrong", texts)
     assert not any("\n" in line for line in said)
     right = [text for text, line in zip(texts, said, strict=True) if not line]

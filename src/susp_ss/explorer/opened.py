@@ -20,6 +20,7 @@ from ..vehicles.full import FullCar
 from ..vehicles.quarter import QuarterCar
 from ..vehicles.vehicle import Vehicle
 from .described import refusal
+from .rows import finite
 from .surrogates import INTERVAL, LACKING, SEVERAL
 
 FEW = 40
@@ -42,7 +43,9 @@ def _cheap(vehicle: Vehicle) -> dict[str, Any]:
         }
         for place in ("cg", *CORNERS)
     }
-    return {"model": model_name(vehicle), "places": places, "single": len(vehicle.wheels) == 1}
+    vanishing = [name for name, quantity in vehicle.quantities().items() if quantity.zero]
+    known = {"model": model_name(vehicle), "places": places, "single": len(vehicle.wheels) == 1}
+    return known | {"vanishing": vanishing}
 
 
 def constants() -> dict[str, Any]:
@@ -86,6 +89,7 @@ def words() -> dict[str, str]:
         "no_json": surrogate_file.NO_JSON,
         "no_surrogate": refusal(lambda: surrogate_file.surrogate_of({})),
         "newer": refusal(lambda: surrogate_file.surrogate_of(newer)),
+        "apart": refusal(lambda: finite(np.array([np.inf]))),
         "no_kind": refusal(lambda: numbers.from_numbers({"kind": "{name}"})),
         "no_model": refusal(lambda: model_named("{name}")),
         "infinite_cheap": infinite.replace("got inf", "got {value}"),

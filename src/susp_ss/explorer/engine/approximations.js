@@ -158,7 +158,7 @@ class Approximation {
     if (n > FITTED.many) throw new Elsewhere(`${kind} of more than ${FITTED.many} runs`);
     if (left_out === undefined) throw new Elsewhere(`${kind} of an older file`);
     Object.assign(this, { settings, fit, guide, runs: { designs, responses, guides: designs.map(guide) } });
-    this.leftOut = left_out && { folds: numbersOf(left_out.folds, "folds", n), fits: [...tableOf({ ...left_out.fits }, "fits").values()] };
+    this.leftOut = left_out && { folds: foldsOf(left_out.folds, n, left_out.fits.length), fits: left_out.fits };
     this.whole = fit(settings, found, this.runs);
   }
 
@@ -175,10 +175,6 @@ class Approximation {
       });
       return { own, lacking, missed };
     }));
-  }
-
-  value(design) {
-    return this.whole(design, this.guide(design)).value;
   }
 
   predict(design) {

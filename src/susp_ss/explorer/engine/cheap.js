@@ -45,6 +45,9 @@ function fittedRoad(table) {
   return { ...found, waviness, tracks: road.get("tracks") };
 }
 
+// Beyond, matrices of a car have no digits left.
+const [SMALL, LARGE] = [1e-9, 1e12];
+
 // The parameters of a vehicle's table, in SI units, at every wheel.
 function parametersOf(kind, entries) {
   const found = {};
@@ -115,10 +118,12 @@ class CheapModel {
     const shares = [...this.shares(columns, known.wheels)], own = { ...this.parameters, ...this.road };
     if (at === undefined || !shares.length) throw damaged(`the cheap model has no ${output} by ${columns.join(", ")}`);
     const rest = shares.map(([name, share]) => (1 - sum(share)) * own[name]), names = tuned ? this.named(this.parameter) : [];
+    const possible = (name, one) => (one > SMALL && one < LARGE) || (one === 0 && cheap.vanishing.some((own) => name.startsWith(own)));
     return (design, value) => {
       const set = { ...own };
       shares.forEach(([name, share], i) => (set[name] = dot(share, design) + rest[i]));
       names.forEach((name) => (set[name] = value));
+      if (!Object.keys(this.parameters).every((name) => possible(name, set[name]))) throw new Refusal(WORDS.apart);
       const found = measuredThrough(new Car(this.kind, set), set, filter)[at];
       if (!Number.isFinite(found)) throw new Refusal(filled(WORDS.infinite_cheap, { value: found === Infinity ? "inf" : "nan" }));
       return found;

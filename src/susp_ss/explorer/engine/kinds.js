@@ -15,14 +15,20 @@ function jackknifePlus(predicted, byOthers, misses) {
   return { low: Math.min(low, predicted), high: Math.max(high, predicted) };
 }
 
+// Which fit lacks each run.
+function foldsOf(value, count, fits) {
+  const folds = numbersOf(value, "folds", count), known = folds.every((one) => Number.isInteger(one) && one >= 0 && one < fits);
+  if (!known) throw damaged("left_out must have a fit for each fold");
+  return folds;
+}
+
 // What fits without some runs found, if the file knows.
 function leftOutOf(numbers, count) {
   if (!numbers.left_out) return null;
   const found = tableOf(numbers.left_out, "left_out"), fits = found.get("fits"), n = found.get("errors")?.length;
-  const errors = numbersOf(found.get("errors"), "errors"), folds = numbersOf(found.get("folds"), "folds", n);
   if (!Array.isArray(fits) || !n) throw damaged("left_out must have runs and fits");
+  const errors = numbersOf(found.get("errors"), "errors"), folds = foldsOf(found.get("folds"), n, fits.length);
   fits.forEach((one) => numbersOf(one, "each of fits", count));
-  if (!folds.every((one) => Number.isInteger(one) && one in fits)) throw damaged("left_out must have a fit for each fold");
   return { misses: errors.map(Math.abs), folds, fits };
 }
 
@@ -30,10 +36,6 @@ function leftOutOf(numbers, count) {
 class ByCoefficients {
   constructor(numbers, coefficients, law) {
     Object.assign(this, { coefficients, law, leftOut: leftOutOf(numbers, coefficients.length) });
-  }
-
-  value(design) {
-    return this.law(design)(this.coefficients);
   }
 
   predict(design) {

@@ -17,10 +17,14 @@ function surrogateOf(text) {
   const inputs = [...tableOf(document.inputs, "inputs").keys()], outputs = [...tableOf(document.outputs, "outputs")];
   tableOf(document.low_fidelity, "low_fidelity");
   if (!inputs.length || !outputs.length) throw damaged("it has no inputs or no outputs");
-  return elsewhere(() => {
-    const cheap = new CheapModel(document.low_fidelity);
-    return { inputs, cheap, outputs: outputs.map(([name, numbers]) => outputOf(name, numbers, version, inputs, cheap)) };
-  });
+  try {
+    return elsewhere(() => {
+      const cheap = new CheapModel(document.low_fidelity);
+      return { inputs, cheap, outputs: outputs.map(([name, numbers]) => outputOf(name, numbers, version, inputs, cheap)) };
+    });
+  } catch (error) {
+    throw error instanceof TypeError ? damaged(error.message) : error; // Nothing where there should be a table.
+  }
 }
 
 // What is made, or { refused } of what only susp-ss explore makes.
@@ -44,7 +48,7 @@ function outputOf(name, numbers, version, columns, cheap) {
   const made = elsewhere(() => {
     const model = MADE[kind](numbers, (tuned) => cheap.response(name, columns, tuned)), filter = cheap.through(metricAndPlace(name).metric);
     const somewhere = lowest.map((one) => (Number.isFinite(one) ? one : Math.sign(one)));
-    if (!Number.isFinite(model.value(somewhere))) throw damaged(`${name} has no finite value`);
+    if (!Number.isFinite(model.predict(somewhere).value)) throw damaged(`${name} has no finite value`);
     return { model, filter };
   });
   return { name, unit, called, lowest, highest, ...made };
