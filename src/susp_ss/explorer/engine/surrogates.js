@@ -75,28 +75,35 @@ function inputOf(name, car, road) {
   throw new Refusal(filled(WORDS.several, { name, wheels: wheels.join(", "), values: said }));
 }
 
+// What a car has of each output on the road of the fit, weighted as its runs were: where and how much.
+function exactOf({ inputs, outputs, cheap }, design, car) {
+  const ofRoad = inputs.map((name, i) => [name, design[i]]).filter(([name]) => Object.hasOwn(FITTED.road, name));
+  const road = { ...cheap.road, ...Object.fromEntries(ofRoad) }, known = new Map();
+  for (const { name, filter } of outputs) {
+    const { metric } = metricAndPlace(name);
+    if (filter && !car.measured.some((one) => one.name.split("@")[0] === metric)) throw unweighted(metric, car);
+  }
+  for (const filter of [null, ...outputs.map((one) => one.filter ?? null)]) {
+    if (!known.has(filter)) known.set(filter, measuredThrough(car, road, filter));
+  }
+  return outputs.map(({ name, filter }) => {
+    const { metric, place } = metricAndPlace(name), names = [`${metric}@${place ?? cheap.place}`, metric];
+    const at = names.map((own) => car.measured.findIndex((one) => one.name === own)).find((row) => row >= 0);
+    if (at === undefined) return { output: name, exact: null };
+    return { output: car.measured[at].name, exact: finite(known.get(filter ?? null)[at]) };
+  });
+}
+
 function predictions({ name, fitted }, state) {
   if (fitted.refused) return [{ surrogate: name, refused: fitted.refused }];
-  const car = carOf(state), design = fitted.inputs.map((own) => inputOf(own, car, state.road));
-  const predicted = fitted.outputs.map(({ model }) => model?.predict(design));
-  const ofRoad = fitted.inputs.map((own, i) => [own, design[i]]).filter(([own]) => Object.hasOwn(FITTED.road, own));
-  const road = { ...fitted.cheap.road, ...Object.fromEntries(ofRoad) }, places = fitted.outputs.map((one) => metricAndPlace(one.name));
-  const named = ({ metric, place }) => [`${metric}@${place ?? fitted.cheap.place}`, metric];
-  const index = (own) => car.measured.findIndex(({ name: one }) => one === own);
-  const rows = places.map((one) => named(one).map(index).find((at) => at >= 0));
-  fitted.outputs.forEach(({ filter }, i) => {
-    const { metric } = places[i], is = (name) => name === metric || name.startsWith(`${metric}@`);
-    if (filter && !car.measured.some((one) => is(one.name))) throw unweighted(metric, car);
-  });
-  const known = new Map([null, ...fitted.outputs.map(({ filter }) => filter)].map((filter) => [filter ?? null, null]));
-  for (const filter of known.keys()) known.set(filter, measuredThrough(car, road, filter));
-  const outside = fitted.outputs.some((one) => outsideOf(design, one));
-  return fitted.outputs.map(({ name: output, unit, called, filter, refused: why }, i) => {
-    const surrogate = `${name}: ${called}`, at = rows[i];
+  const car = carOf(state), { inputs, outputs } = fitted, design = inputs.map((own) => inputOf(own, car, state.road));
+  const predicted = outputs.map(({ model }) => model?.predict(design)), exact = exactOf(fitted, design, car);
+  const outside = outputs.some((one) => outsideOf(design, one));
+  return outputs.map(({ name: output, unit, called, refused: why }, i) => {
+    const surrogate = `${name}: ${called}`;
     if (why) return { surrogate, refused: `${output}: ${why}` };
     const { value, low, high } = predicted[i], bounds = { low: finite(low), high: finite(high) };
-    const exact = at === undefined ? null : finite(known.get(filter)[at]);
-    return { surrogate, output: car.measured[at]?.name ?? output, unit, value: finite(value), ...bounds, exact, outside };
+    return { surrogate, output: exact[i].output, unit, value: finite(value), ...bounds, exact: exact[i].exact, outside };
   });
 }
 
