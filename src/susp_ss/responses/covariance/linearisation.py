@@ -38,9 +38,8 @@ FEW, NEAR = 100, 1e-5
 # No variance is taken as smaller.
 STILL = 1e-24
 
-# Newton's steps to the deviation of one corner's velocity; after one of SETTLED, what is left is of the order of its
-# square.
-STEPS, SETTLED = 60, 1e-8
+# Newton's steps to the deviation of one corner's velocity, and the step from which on it is found.
+STEPS, SETTLED = 60, 1e-11
 
 
 class State(NamedTuple):
@@ -179,9 +178,8 @@ def linearise(
             "it moves; pass one that rises in bump or rebound"
         )
     x, variances, count = _settled(rounds, leaders)
-    state = rounds.state(x, every)
-    state = state._replace(mean=rounds.shift(state))
-    return Linearised(rounds.straight(state, every), state, variances, count)
+    straight, state = rounds.straight(x, every)
+    return Linearised(straight, state._replace(mean=rounds.shift(state)), variances, count)
 
 
 def _settled(rounds: _Rounds, leaders: NDArray[np.int_]) -> tuple[Array, Array, NDArray[np.int_]]:
@@ -262,12 +260,11 @@ class _Rounds:
 
     def first(self) -> Array:
         """Where the rounds begin: with what the tyres take in, if there are any."""
-        dampers = self.flat.at_wheels("cs")
-        powers = [np.log(self._taken_in(i)) for i, *_ in self.damped]
+        powers = [self._taken_in(i) for i, *_ in self.damped]
         for j, ((i, *_), power) in enumerate(zip(self.damped, powers, strict=True)):
-            self.sigma[:, j] = np.sqrt(np.exp(power) / dampers[i].means(DamperCurve.middling).slope)
-        powers += [np.log(_weight(self.first_cs[i]) * SpringCurve.middling**2) for i, *_ in self.sprung]
-        return np.stack([np.broadcast_to(power, self.N) for power in powers], axis=-1)
+            self.sigma[:, j] = np.sqrt(power / self.first_cs[i])
+        powers += [_weight(self.first_cs[i]) * SpringCurve.middling**2 for i, *_ in self.sprung]
+        return np.log(np.stack([np.broadcast_to(power, self.N) for power in powers], axis=-1))
 
     def _taken_in(self, i: int) -> Any:
         """Power at a corner: on a white road half its intensity times the tyre's stiffness, whatever the dampers."""
@@ -278,16 +275,15 @@ class _Rounds:
         white = 0.5 * hop**2 * road.psd(hop / (2.0 * np.pi * road.speed)) / road.speed
         return 0.5 * kt * white
 
-    def state(self, x: Array, chosen: NDArray[np.int_]) -> State:
-        """The linear rates of some designs, and about which mean."""
+    def straight(self, x: Array, chosen: NDArray[np.int_]) -> tuple[Vehicle, State]:
+        """The linear cars of some designs, their rates and about which mean they are."""
         some, columns = self.flat.select(chosen), iter(np.exp(x).T)
         dampers, springs = some.at_wheels("cs"), some.at_wheels("ks")
         cs, ks = list(dampers), list(springs)
         damping, stiffness = (list[Means | None]([None] * len(cs)) for _ in range(2))
         for j, group in enumerate(self.damped):
             damper = dampers[group[0]]
-            self.sigma[chosen, j] = sigma = _deviation(damper, next(columns), self.sigma[chosen, j])
-            means = damper.means(sigma)
+            self.sigma[chosen, j], means = _deviation(damper, next(columns), self.sigma[chosen, j])
             for i in group:
                 cs[i], damping[i] = means.slope, means
         mean, travel = np.zeros((len(chosen), len(cs))), np.ones((len(chosen), len(cs)))
@@ -300,11 +296,7 @@ class _Rounds:
             means = springs[first].means(travel[:, first], mean[:, first])
             for i in group:
                 ks[i], stiffness[i] = means.slope, means
-        return State(cs, ks, damping, stiffness, mean)
-
-    def straight(self, state: State, chosen: NDArray[np.int_]) -> Vehicle:
-        """The linear cars of a state."""
-        return self.flat.select(chosen).straightened({"cs": state.cs, "ks": state.ks})
+        return some.straightened({"cs": cs, "ks": ks}), State(cs, ks, damping, stiffness, mean)
 
     def answer(self, x: Array, chosen: NDArray[np.int_], around: Array) -> tuple[Array, Array]:
         """The powers (designs, k, n) of the linear cars that some designs' x (designs, n) make, and cars around it.
@@ -313,9 +305,8 @@ class _Rounds:
         """
         k, n = around.shape
         every = np.repeat(chosen, k)
-        state = self.state((x[:, None] + around).reshape(-1, n), every)
-        cars, ground = self.straight(state, every), self.road.select(every)
-        variances = covariance_variances(cars, self.space.some(every), ground, self.designs)
+        cars, state = self.straight((x[:, None] + around).reshape(-1, n), every)
+        variances = covariance_variances(cars, self.space.some(every), self.road.select(every), self.designs)
         table = self.flat.layout().outputs
         rates, travels = (np.maximum(variances[:, table.of(name)], STILL) for name in ("sws_rate", "sws"))
         powers = [np.log(state.cs[i] * rates[:, i]) for i, *_ in self.damped]
@@ -368,14 +359,17 @@ def _weight(cs: Any) -> Any:
     return np.where(cs > 0.0, cs, 1.0)
 
 
-def _deviation(damper: Curve, power: Array, guess: Array) -> Array:
-    """The deviation of a velocity that has the damper dissipate a power, ``E[f v] = power``: Newton in logarithms."""
+def _deviation(damper: Curve, power: Array, guess: Array) -> tuple[Array, Means]:
+    """The deviation of a velocity that has the damper dissipate a power, ``E[f v] = power``, and the means there.
+
+    Newton in logarithms.
+    """
     log_sigma = np.log(guess)
     for _ in range(STEPS):
         sigma = np.exp(log_sigma)
         means = damper.means(sigma)
         step = (np.log(power / means.slope) - 2.0 * log_sigma) / (2.0 + sigma**2 * means.third / means.slope)
-        log_sigma = log_sigma + np.clip(step, -2.0, 2.0)
         if np.all(np.abs(step) < SETTLED):
             break
-    return np.asarray(np.exp(log_sigma))
+        log_sigma = log_sigma + np.clip(step, -2.0, 2.0)
+    return sigma, means
