@@ -6,7 +6,8 @@ car (Caughey 1963; Roberts and Spanos 1990). The mean is where the mean forces b
 the body up or down. Nothing dissipates but dampers, so that on a white road a quarter car's power ``c E[v^2]`` is
 ``q kt / 2`` whatever c is, and its ``c E[d^2]`` is ``q (ms + mu) / 2``: what the rounds below go by is the logarithm of
 these two at each corner, which hardly change from car to car, and not c and k themselves. A round asks the fast routes
-for the variances of the designs that still move; Broyden's rank-one updates take the steps.
+for the variances of the designs that still move; where they are few it asks for their neighbours' as well and takes
+Newton's steps, else Broyden's rank-one updates take them.
 """
 
 from __future__ import annotations
@@ -31,9 +32,10 @@ Array = NDArray[np.float64]
 # refused; and the longest step of a round, as a power of e.
 CONVERGED, ROUNDS, LONGEST = 1e-10, 50, 1.0
 
-# A round of so few designs takes as long as one of a single design: it asks for their neighbours as well, this far away
-# along every x, and takes Newton's steps. After one no longer than that, what is left is of the order of its square.
-FEW, NEAR = 100, 1e-5
+# A round of so few designs, neighbours counted, takes hardly longer than one of a single design. How far neighbours are
+# in each x; a step no longer than that is Newton's last, along which powers and variances are known: what is left is of
+# the order of its square.
+FEW, NEAR = 250, 5e-6
 
 # No variance is taken as smaller.
 STILL = 1e-24
@@ -183,42 +185,49 @@ def linearise(
 
 
 def _settled(rounds: _Rounds, leaders: NDArray[np.int_]) -> tuple[Array, Array, NDArray[np.int_]]:
-    """Where all designs stand still, their variances there, and after which round."""
-    x, moving, near = rounds.first(), np.unique(leaders), False
+    """Where all designs stand still, their variances there, and after how many rounds."""
+    x, moving = rounds.first(), np.unique(leaders)
     N, n = x.shape
     last, step, inverse = np.zeros_like(x), np.zeros_like(x), np.tile(-np.eye(n), (N, 1, 1))
     variances, count = np.empty((N, len(rounds.flat.layout().outputs))), np.zeros(N, dtype=int)
-    itself = np.zeros((1, n))
-    neighbours = np.concatenate([itself, NEAR * np.eye(n)])
+    alone = np.zeros((1, n))
+    neighbours = np.concatenate([alone, NEAR * np.eye(n)])
     for number in range(ROUNDS):
-        chosen = np.flatnonzero(np.isin(leaders, moving)) if near else moving
-        around = neighbours if not near and len(moving) * len(neighbours) <= FEW else itself
-        powers, variances[chosen] = rounds.answer(x[leaders[chosen]], chosen, around)
+        newton = len(moving) * len(neighbours) <= FEW
+        # Newton may arrive with the second round, and those that follow come along from there.
+        chosen = np.flatnonzero(np.isin(leaders, moving)) if newton and number else moving
+        powers, found = rounds.answer(x[leaders[chosen]], chosen, neighbours if newton else alone)
         powers, count[chosen] = powers[np.isin(chosen, moving)], number + 1
         finite = np.isfinite(powers).all(axis=(1, 2))
         if not finite.all():
             raise rounds.unbounded(int(moving[np.argmin(finite)]))
         residual = powers[:, 0] - x[moving]
-        if around is neighbours:
+        if newton:
             inverse[moving] = np.linalg.inv((powers[:, 1:] - powers[:, :1]).mT / NEAR - np.eye(n))
         elif number:
             inverse[moving] = _updated(inverse[moving], step[moving], residual - last[moving])
-        last[moving], left = residual, np.abs(residual).max(axis=-1) > CONVERGED
-        moving, residual = moving[left], residual[left]
+        last[moving], step[moving] = residual, -(inverse[moving] @ residual[..., None])[..., 0]
+        if number:
+            step[moving] /= np.maximum(np.abs(step[moving]).max(axis=-1, keepdims=True) / LONGEST, 1.0)
+        x[moving] += step[moving]
+        variances[chosen] = _after(step[leaders[chosen]], found) if newton else found[:, 0]
+        moving = moving[np.abs(step[moving]).max(axis=-1) > (NEAR if newton else CONVERGED)]
         if not len(moving):
             break
-        near = bool(np.abs(residual).max() < NEAR)
-        step[moving] = -(inverse[moving] @ residual[..., None])[..., 0]
-        if number:
-            step[moving] *= np.minimum(1.0, LONGEST / np.abs(step[moving]).max(axis=-1))[..., None]
-        x[moving] += step[moving]
     else:
         raise rounds.unsettled(int(moving[0]))
-    x = x[leaders]
     behind = np.flatnonzero(count < count[leaders])
     if len(behind):
-        variances[behind] = rounds.answer(x[behind], behind, itself)[1]
-    return x, variances, count[leaders]
+        variances[behind] = rounds.answer(x[leaders[behind]], behind, alone)[1][:, 0]
+    return x[leaders], variances, count[leaders]
+
+
+def _after(step: Array, found: Array) -> Array:
+    """Variances (m, outputs) after steps (m, n), from those (m, 1 + n, outputs) of designs and of their neighbours."""
+    here = found[:, 0]
+    with np.errstate(invalid="ignore"):
+        after = here + np.einsum("mi,mio->mo", step, found[:, 1:] - here[:, None]) / NEAR
+    return np.where(np.isfinite(here), np.maximum(after, 0.0), here)
 
 
 def _updated(inverse: Array, step: Array, change: Array) -> Array:
@@ -299,9 +308,9 @@ class _Rounds:
         return some.straightened({"cs": cs, "ks": ks}), State(cs, ks, damping, stiffness, mean)
 
     def answer(self, x: Array, chosen: NDArray[np.int_], around: Array) -> tuple[Array, Array]:
-        """The powers (designs, k, n) of the linear cars that some designs' x (designs, n) make, and cars around it.
+        """Powers (m, k, n) and variances (m, k, outputs) of the linear cars of designs (m,) at ``x + around``.
 
-        These are at ``x + around`` (k, n); the variances (designs, outputs) are those of the first.
+        These are (m, n) and (k, n).
         """
         k, n = around.shape
         every = np.repeat(chosen, k)
@@ -311,7 +320,7 @@ class _Rounds:
         rates, travels = (np.maximum(variances[:, table.of(name)], STILL) for name in ("sws_rate", "sws"))
         powers = [np.log(state.cs[i] * rates[:, i]) for i, *_ in self.damped]
         powers += [np.log(_weight(state.cs[i]) * travels[:, i]) for i, *_ in self.sprung]
-        return np.stack(powers, axis=-1).reshape(-1, k, n), variances[::k]
+        return np.stack(powers, axis=-1).reshape(-1, k, n), variances.reshape(len(chosen), k, -1)
 
     def shift(self, state: State) -> Array:
         """Mean deflection (N, corners) at every corner."""
