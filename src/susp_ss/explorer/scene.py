@@ -134,10 +134,8 @@ def _linear(scenes: Sequence[Scene], speeds: Array) -> list[Ride]:
     vehicle = _in_a_row([scene.vehicle for scene in scenes], len(ground.speed) // len(scenes))
     space, car, ground = spanned(vehicle, ground)
     variances = covariance_variances(car, space, ground)
-    found, powers = (np.split(x, len(scenes)) for x in (variances, dissipated(car, variances)))
-    return [
-        _ride(scene, *own, scene.vehicle) for scene, own in zip(scenes, zip(found, powers, strict=True), strict=True)
-    ]
+    parts = (np.split(x, len(scenes)) for x in (variances, dissipated(car, variances)))
+    return [_ride(scene, own, powers, scene.vehicle) for scene, own, powers in zip(scenes, *parts, strict=True)]
 
 
 def _course(road: Road, speeds: Array, times: int = 1) -> Road:
