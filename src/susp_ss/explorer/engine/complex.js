@@ -49,29 +49,6 @@ function unforgotten(z) {
   return total;
 }
 
-// Solve A X = B by elimination with row pivots, in place: B becomes X.
-function solve(A, B) {
-  const n = A.length;
-  const less = (row, other, factor, first) => {
-    for (let j = first; j < row.length; j++) row[j] = minus(row[j], product(factor, other[j]));
-  };
-  for (let k = 0; k < n; k++) {
-    let pivot = k;
-    for (let i = k + 1; i < n; i++) if (power(A[i][k]) > power(A[pivot][k])) pivot = i;
-    for (const M of [A, B]) [M[k], M[pivot]] = [M[pivot], M[k]];
-    for (let i = k + 1; i < n; i++) {
-      const factor = quotient(A[i][k], A[k][k]);
-      less(A[i], A[k], factor, k + 1);
-      less(B[i], B[k], factor, 0);
-    }
-  }
-  for (let k = n - 1; k >= 0; k--) {
-    for (let j = 0; j < B[k].length; j++) B[k][j] = quotient(B[k][j], A[k][k]);
-    for (let i = 0; i < k; i++) less(B[i], B[k], A[i][k], 0);
-  }
-  return B;
-}
-
 const EPSILON = 2 ** -52;
 
 // By how much the other one is beyond the last entry.

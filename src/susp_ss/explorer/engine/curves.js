@@ -62,7 +62,7 @@ const NEAR = 4, FAR = 10;
 class StraightCar extends Car {
   constructor(curved, rates) {
     const dampers = Object.fromEntries(curved.dampers.map((name, i) => [name, rates[i]]));
-    super(curved.model, { ...curved.parameters, ...dampers });
+    super(curved.model, { ...curved.parameters, ...dampers }, curved);
     this.settled = true;
   }
 
@@ -88,6 +88,7 @@ class CurvedCar extends Ride {
   constructor(model, parameters, curve) {
     super(model, parameters);
     this.measured = [...this.measured, ...this.shifts];
+    this.framed = frameOf(this);
     this.dampers = this.corners.map((corner) => (corner ? `cs_${corner}` : "cs"));
     this.laws = this.dampers.map((name) => damper(parameters[name], curve));
     this.first = this.laws.map((law) => law.means(CURVE.middling).slope);
@@ -107,16 +108,12 @@ class CurvedCar extends Ride {
   // The car of numbers that logarithms x of the dampers' powers make.
   trial(x) {
     const means = this.laws.map((law, i) => law.means(law.deviation(Math.exp(x[i]))));
-    const car = new StraightCar(this, means.map(({ slope }) => slope)), watched = Object.create(car);
-    for (const name of ["seen", "on_road_velocity", "on_integrators"]) {
-      watched[name] = this.velocities.map((row) => car[name][row]);
-    }
-    return { x, means, car, watched };
+    return { x, means, car: new StraightCar(this, means.map(({ slope }) => slope)) };
   }
 
-  // By how much its powers on a road are other than these.
-  residual({ x, means, watched }, road) {
-    return Float64Array.from(watched.variances(road), (variance, i) =>
+  // By how much its powers are other than these, of what passes.
+  residual({ x, means, car }, passing) {
+    return car.variancesOf(this.velocities, passing).map((variance, i) =>
       Math.log(means[i].slope * Math.max(variance, CURVE.still)) - x[i]);
   }
 
@@ -126,11 +123,11 @@ class CurvedCar extends Ride {
     const far = ({ speed }) => Math.abs(Math.log(speed / road.speed));
     const near = [...this.settled].sort((one, other) => far(other) - far(one)).slice(-NEAR);
     if (near.length && far(near.at(-1)) === 0) return near.at(-1).car;
-    const inverse = this.inverse.map((row) => Float64Array.from(row));
+    const inverse = this.inverse.map((row) => Float64Array.from(row)), passing = this.passing(road);
     const less = (x, y) => Float64Array.from(x, (one, i) => one - y[i]);
     let here = null, rest = null;
     const learn = (next) => {
-      const found = this.residual(next, road);
+      const found = this.residual(next, passing);
       if (here) update(inverse, less(next.x, here.x), less(found, rest));
       [here, rest] = [next, found];
     };

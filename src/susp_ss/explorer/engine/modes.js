@@ -36,6 +36,12 @@ class Modes {
     return total;
   }
 
+  // The real row for amplitudes' real parts, then for their imaginary ones, of what is seen of the modes.
+  parts(seen) {
+    const { counted } = this;
+    return [...seen.map(({ re }, k) => counted[k] * re), ...seen.map(({ im }, k) => -counted[k] * im)];
+  }
+
   // Amplitudes of the modes in a real vector; where they cancel by symmetry, none.
   amplitudes(x) {
     return this.W.map((row) => {

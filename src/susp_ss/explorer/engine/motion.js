@@ -33,7 +33,7 @@ function resonances(rates, gains, s) {
 }
 
 // What an output makes of amplitudes that the modes are moved by.
-const gainsOf = ({ dynamics, seen }, row, moved) => dynamics.whole(seen[row].map((one, k) => product(one, moved[k])));
+const gainsOf = (car, row, moved) => car.dynamics.whole(car.sees(row).map((one, k) => product(one, moved[k])));
 
 // Complex response of an output to the height of the road under a wheel.
 function response(car, row, wheel, frequencies) {
@@ -168,7 +168,8 @@ function recorded(car, { speed, step, steps, every, heights }, drive) {
 
 // Where everything is while the car drives over a bump.
 function bump(car, asked) {
-  const way = wayOver(car, asked), { dynamics, positions } = car, { rates } = dynamics, felt = car.measured[0].row;
+  const way = wayOver(car, asked), { dynamics, positions } = car, { rates } = dynamics;
+  const felt = car.measured[0].row, seen = car.sees(felt);
   const into = car.entering.map((one) => dynamics.amplitudes(one));
   const free = rates.map((rate) => exponential(scaled(rate, way.step)));
   const driven = rates.map((rate, k) => {
@@ -179,7 +180,7 @@ function bump(car, asked) {
   return recorded(car, way, {
     place: (row, z) => dynamics.real(positions[row].seen, amplitudes) + dot(positions[row].carried, z),
     acceleration: (z) =>
-      dynamics.real(car.seen[felt], amplitudes) + dot(car.on_integrators[felt], times(car.integrators, z)),
+      dynamics.real(seen, amplitudes) + dot(car.on_integrators[felt], times(car.integrators, z)),
     on(_, rise) {
       amplitudes = amplitudes.map((one, k) => {
         const moved = product(free[k], one);
