@@ -31,6 +31,13 @@ function times(A, x) {
   return out;
 }
 
+// x^T A x.
+function quadratic(x, A) {
+  let total = 0;
+  for (let i = 0; i < x.length; i++) if (x[i] !== 0) total += x[i] * dot(A[i], x);
+  return total;
+}
+
 // to += factor * x.
 function add(to, x, factor) {
   for (let i = 0; i < to.length; i++) to[i] += factor * x[i];

@@ -4,37 +4,36 @@
 // p' = v + ..., v' = -K p - C v + ..., K and C symmetric; vectors hold the positions before the velocities, `shapes` are
 // those of the positions.
 class Dynamics extends Modes {
-  // Of K and C in which some `pairs` of positions may be alike, those of left and right.
-  static of(K, C, pairs) {
+  // Of K and C in which some `pairs` of positions may be alike, those of left and right; `near` are those of a C that is
+  // little else.
+  static of(K, C, pairs, near = null) {
     const Q = identity(K.length);
     for (const [i, j] of pairs) [Q[i][i], Q[i][j], Q[j][i], Q[j][j]] = [1, 1, 1, -1].map((one) => one * Math.SQRT1_2);
     const turned = [K, C].map((M) => multiply(Q, multiply(M, Q)));
     const met = (M, i, j) => Math.abs(M[i][j]) > ROUNDING * Math.sqrt(Math.abs(M[i][i] * M[j][j]));
     const parts = coupled(Q.map((row, i) => row.map((_, j) => Number(turned.some((M) => met(M, i, j))))));
-    if (parts.length === 1) return Dynamics.sound(K, C);
-    return new Apart(parts.map((rows) => {
-      const own = Dynamics.sound(...turned.map((M) => rows.map((i) => Float64Array.from(rows, (j) => M[i][j]))));
-      return { own, on: Q.map((row) => rows.map((i) => row[i])) };
+    if (parts.length === 1) return Dynamics.sound(K, C, near);
+    return new Apart(parts.map((rows, at) => {
+      const [own, other] = turned.map((M) => rows.map((i) => rows.map((j) => M[i][j])));
+      return { own: Dynamics.sound(own, other, near?.halves?.[at]), on: Q.map((row) => rows.map((i) => row[i])) };
     }));
   }
 
-  static sound(K, C) {
-    const own = new Dynamics(K, C);
-    return own.condition < PARALLEL ? own : new Dynamics(K, divided(C, 1 - ASIDE));
+  static sound(K, C, near) {
+    const own = new Dynamics(K, C, near);
+    return own.condition < PARALLEL ? own : new Dynamics(K, divided(C, 1 - ASIDE), near);
   }
 
-  constructor(K, C) {
+  constructor(K, C, near) {
     super();
     const n = K.length, unit = Math.sqrt(sum(K.map((row, i) => row[i])) / n);
     Object.assign(this, { n, K: divided(K, unit ** 2), C: divided(C, unit) });
-    const A = zeros(2 * n, 2 * n);
-    for (let i = 0; i < n; i++) {
-      A[i][n + i] = 1;
-      for (let j = 0; j < n; j++) [A[n + i][j], A[n + i][n + j]] = [-this.K[i][j], -this.C[i][j]];
-    }
-    const modes = ratesOf(A).filter((rate) => creeping(rate) || rate.im > 0).map((rate, at) => this.polished(rate, at));
+    const modes = this.modes = this.polishedOf(near) ?? this.fresh();
     this.turn(modes.map(({ rate }) => scaled(rate, unit)));
-    this.shapes = modes.map(({ shape }) => shape);
+    this.shapes = modes.map(({ x }) => {
+      const shape = this.K.map((_, i) => complex(x[2 * i], x[2 * i + 1])), most = ROUNDING * Math.max(...shape.map(modulus));
+      return shape.map((one) => (modulus(one) > most ? one : complex(0)));
+    });
     const V = this.rates.map((rate, k) => [...this.shapes[k], ...this.shapes[k].map((one) => product(rate, one))]);
     // A swinging mode adds twice the real part of its shape times its amplitude, so that both parts are columns.
     const parts = (mode, k) => [mode.map(({ re }) => re), mode.map(({ im }) => im)].slice(0, this.counted[k]);
@@ -47,39 +46,79 @@ class Dynamics extends Modes {
     this.condition = Math.max(...V.map((mode, k) => size(mode, unit) * size(this.W[k], 1 / unit))) / (2 * n);
   }
 
-  // An eigenvalue and its vector by steps of Newton's: the rate is moved aside by a little, lest it be exact, and put
-  // right by Rayleigh's quotient, whose error is the square of the vector's. Vectors hold real before imaginary parts.
-  polished(rate, at) {
-    const { n, K, C } = this, aside = scaled(rate, 1 + 1e-9), { re: a, im: b } = aside, square = product(aside, aside);
-    const pencil = complexly(n, (i, j) => complex(K[i][j] + a * C[i][j], b * C[i][j]), square);
-    const slope = complexly(n, (i, j) => complex(C[i][j]), scaled(aside, 2)), solved = inverted(pencil);
-    let x = Array.from({ length: 2 * n }, (_, i) => (i < n ? Math.cos(1 + i * i + i * at) : 0));
-    for (let round = 0; round < 3; round++) {
-      const next = solved(times(slope, x)), size = Math.sqrt(dot(next, next));
-      x = next.map((one) => one / size);
+  fresh() {
+    const { n, K, C } = this, A = zeros(2 * n, 2 * n);
+    for (let i = 0; i < n; i++) {
+      A[i][n + i] = 1;
+      for (let j = 0; j < n; j++) [A[n + i][j], A[n + i][n + j]] = [-K[i][j], -C[i][j]];
     }
-    const re = x.slice(0, n), im = x.slice(n);
-    const form = (Mre, Mim) => complex(dot(re, Mre) - dot(im, Mim), 2 * dot(re, Mim));
-    const m = form(re, im), [c, k] = [C, K].map((M) => form(times(M, re), times(M, im)));
-    const off = plus(product(plus(product(m, rate), c), rate), k);
-    const shape = Array.from(re, (one, i) => complex(one, im[i])), most = ROUNDING * Math.max(...shape.map(modulus));
-    return {
-      rate: minus(rate, quotient(off, plus(scaled(product(m, rate), 2), c))),
-      shape: shape.map((one) => (modulus(one) > most ? one : complex(0))),
-    };
+    const start = (at) => K.flatMap((_, i) => [Math.cos(1 + i * i + i * at), 0]);
+    return ratesOf(A).filter((rate) => creeping(rate) || rate.im > 0).map((rate, at) => this.polished(rate, start(at)));
   }
-}
 
-// A complex matrix and a number on its diagonal as a real matrix, of vectors that hold real before imaginary parts.
-function complexly(n, entry, diagonal) {
-  const out = zeros(2 * n, 2 * n);
-  for (let i = 0; i < n; i++) {
-    for (let j = 0; j < n; j++) {
-      const { re, im } = i === j ? plus(entry(i, j), diagonal) : entry(i, j);
-      [out[i][j], out[n + i][n + j], out[i][n + j], out[n + i][j]] = [re, re, -im, im];
+  // The modes that others become, if these are all there are: their rates add up to the traces of A and of its square.
+  polishedOf(near) {
+    if (near?.n !== this.n) return null;
+    const { K, C, n } = this, modes = near.modes.map(({ rate, x }) => this.polished(this.corrected(rate, x), x));
+    let trace = 0, square = 0;
+    for (const { rate } of modes) {
+      const count = creeping(rate) ? 1 : 2;
+      trace += count * rate.re;
+      square += count * (rate.re ** 2 - rate.im ** 2);
     }
+    for (let i = 0; i < n; i++) {
+      trace += C[i][i];
+      square += 2 * K[i][i] - dot(C[i], C[i]);
+    }
+    const size = sum(modes.map(({ rate }) => power(rate)));
+    return Math.abs(trace) <= ROUNDING * Math.sqrt(size) && Math.abs(square) <= ROUNDING * size ? modes : null;
   }
-  return out;
+
+  // An eigenvalue and its vector by steps of Newton's: the rate is moved aside by a little, lest it be exact, and put
+  // right by Rayleigh's quotient, whose error is the square of the vector's. Complex numbers stand as re, im, re, im, ..
+  polished(rate, x) {
+    const { n, K, C } = this;
+    for (let round = 0; round < 3; round++) {
+      const aside = scaled(rate, 1 + 1e-9), square = product(aside, aside), rows = [];
+      for (let i = 0; i < n; i++) {
+        const row = [], [re, im] = [x[2 * i], x[2 * i + 1]];
+        let [upRe, upIm] = [2 * (aside.re * re - aside.im * im), 2 * (aside.re * im + aside.im * re)];
+        for (let j = 0; j < n; j++) {
+          row.push(K[i][j] + aside.re * C[i][j], aside.im * C[i][j]);
+          upRe += C[i][j] * x[2 * j];
+          upIm += C[i][j] * x[2 * j + 1];
+        }
+        row[2 * i] += square.re;
+        row[2 * i + 1] += square.im;
+        row.push(upRe, upIm);
+        rows.push(row);
+      }
+      x = solved(rows);
+      const size = 1 / Math.sqrt(dot(x, x));
+      for (let i = 0; i < 2 * n; i++) x[i] *= size;
+      rate = this.corrected(rate, x);
+    }
+    return { rate, x };
+  }
+
+  corrected(rate, x) {
+    const { n, K, C } = this, m = complex(0), c = complex(0), k = complex(0);
+    for (let i = 0; i < n; i++) {
+      for (let j = 0; j < n; j++) {
+        const re = x[2 * i] * x[2 * j] - x[2 * i + 1] * x[2 * j + 1], im = x[2 * i] * x[2 * j + 1] + x[2 * i + 1] * x[2 * j];
+        c.re += C[i][j] * re;
+        c.im += C[i][j] * im;
+        k.re += K[i][j] * re;
+        k.im += K[i][j] * im;
+        if (i === j) {
+          m.re += re;
+          m.im += im;
+        }
+      }
+    }
+    const slope = plus(scaled(product(m, rate), 2), c), off = plus(product(plus(product(m, rate), c), rate), k);
+    return minus(rate, quotient(off, slope));
+  }
 }
 
 // Motions that know nothing of one another, as those of a car's two halves, each `on` the positions by a matrix.
@@ -89,6 +128,7 @@ class Apart extends Modes {
     const bothOnAll = (on, x) => [x.slice(0, x.length / 2), x.slice(x.length / 2)].flatMap((one) => onAll(on, one));
     super(parts.flatMap(({ own }) => own.rates), parts.flatMap(({ own, on }) => own.W.map((row) => bothOnAll(on, row))));
     this.shapes = parts.flatMap(({ own, on }) => own.shapes.map((shape) => onAll(on, shape)));
+    this.halves = parts.map(({ own }) => own);
   }
 }
 

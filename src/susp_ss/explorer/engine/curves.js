@@ -60,9 +60,9 @@ const NEAR = 4, FAR = 10;
 
 // The car of numbers that stands for one of curves on a road, and how far its dampers pump it.
 class StraightCar extends Car {
-  constructor(curved, rates) {
+  constructor(curved, rates, near = curved) {
     const dampers = Object.fromEntries(curved.dampers.map((name, i) => [name, rates[i]]));
-    super(curved.model, { ...curved.parameters, ...dampers }, curved);
+    super(curved.model, { ...curved.parameters, ...dampers }, near);
     this.settled = true;
   }
 
@@ -106,9 +106,9 @@ class CurvedCar extends Ride {
   }
 
   // The car of numbers that logarithms x of the dampers' powers make.
-  trial(x) {
+  trial(x, near) {
     const means = this.laws.map((law, i) => law.means(law.deviation(Math.exp(x[i]))));
-    return { x, means, car: new StraightCar(this, means.map(({ slope }) => slope)) };
+    return { x, means, car: new StraightCar(this, means.map(({ slope }) => slope), near?.car) };
   }
 
   // By how much its powers are other than these, of what passes.
@@ -138,7 +138,7 @@ class CurvedCar extends Ride {
     else if (weights.every((one) => Math.abs(one) < FAR)) {
       // Through these, to where all powers together are as they should be.
       const mean = (of) => here.x.map((_, i) => dot(weights, seen.map((one) => one[of][i])));
-      learn(this.trial(less(mean("x"), times(inverse, mean("rest")))));
+      learn(this.trial(less(mean("x"), times(inverse, mean("rest"))), here));
     }
     for (let round = 0; round < CURVE.rounds; round++) {
       if (Math.max(...rest.map(Math.abs)) <= CURVE.converged) {
@@ -148,7 +148,7 @@ class CurvedCar extends Ride {
       }
       const step = times(inverse, rest), most = Math.max(...step.map(Math.abs));
       const share = round || near.length ? Math.min(1, CURVE.longest / most) : 1;
-      learn(this.trial(here.x.map((one, i) => one - share * step[i])));
+      learn(this.trial(here.x.map((one, i) => one - share * step[i]), here));
     }
     return Object.assign(here.car.pumped(here.means), { settled: false });
   }

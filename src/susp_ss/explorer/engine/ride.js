@@ -205,7 +205,7 @@ class Car extends Ride {
     this.framed = like?.framed ?? frameOf(this);
     Object.assign(this, this.framed);
     const { root, stiffness, pairs } = this.frame;
-    this.dynamics = Dynamics.of(stiffness, normalised(this.C, root), pairs);
+    this.dynamics = Dynamics.of(stiffness, normalised(this.C, root), pairs, like?.dynamics);
     this.shapes = this.dynamics.shapes.map((shape) => shape.map((one, i) => scaled(one, 1 / root[i])));
   }
 
