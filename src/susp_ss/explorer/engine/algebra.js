@@ -31,10 +31,16 @@ function times(A, x) {
   return out;
 }
 
-// x^T A x.
+// x^T A x of a symmetric A, by what is not above its diagonal.
 function quadratic(x, A) {
   let total = 0;
-  for (let i = 0; i < x.length; i++) if (x[i] !== 0) total += x[i] * dot(A[i], x);
+  for (let i = 0; i < x.length; i++) {
+    if (x[i] === 0) continue;
+    const row = A[i];
+    let half = 0;
+    for (let j = 0; j < i; j++) half += row[j] * x[j];
+    total += x[i] * (2 * half + row[i] * x[i]);
+  }
   return total;
 }
 

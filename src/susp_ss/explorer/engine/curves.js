@@ -162,16 +162,20 @@ function update(inverse, step, change) {
 }
 
 // Matrices of one shape, each so many times.
-const combined = (...terms) => terms[0][1].map((row, i) => Float64Array.from(row, (_, j) =>
-  terms.reduce((total, [by, M]) => total + by * M[i][j], 0)));
+function combined(...terms) {
+  const [[, first]] = terms, out = zeros(first.length, first[0].length);
+  for (const [by, M] of terms) for (let i = 0; i < out.length; i++) add(out[i], M[i], by);
+  return out;
+}
 
-// sum_k A^k / (k + power)!, of a small A.
-function series(A, power) {
+// sum_k A^k / (k + power)! for powers 0 to 3, of a small A; each is A times the next and one term more.
+function series(A) {
   const unit = identity(A.length);
-  let total = unit, factorial = 1;
-  for (let k = 14; k > 0; k--) total = combined([1, unit], [1 / (k + power), multiply(A, total)]);
-  for (let k = 2; k <= power; k++) factorial *= k;
-  return combined([1 / factorial, total]);
+  let total = unit;
+  for (let k = 14; k > 0; k--) total = combined([1, unit], [1 / (k + 3), multiply(A, total)]);
+  const found = [combined([1 / 6, total])];
+  for (const first of [1 / 2, 1, 1]) found.unshift(combined([first, unit], [1, multiply(A, found[0])]));
+  return found;
 }
 
 // e^(A h), and what inputs 1, t/h and (t/h)^2 through B have done after a step and after half of it, as
@@ -179,9 +183,8 @@ function series(A, power) {
 function held(A, B, h) {
   const size = h * Math.max(...A.map((row) => sum(row.map(Math.abs))));
   const doublings = Math.max(1, Math.ceil(Math.log2(size)) + 2);
-  const step = h / 2 ** doublings, small = combined([step, A]);
-  const gains = [1, 2, 3].map((power) => combined([step * Math.max(1, power - 1), multiply(series(small, power), B)]));
-  let half, whole = [series(small, 0), ...gains];
+  const step = h / 2 ** doublings, [grown, ...integrals] = series(combined([step, A]));
+  let half, whole = [grown, ...integrals.map((one, k) => combined([step * Math.max(1, k), multiply(one, B)]))];
   for (let k = 0; k < doublings; k++) {
     half = whole;
     const [free, hold, ramp, bend] = half, then = (M) => multiply(free, M);

@@ -47,6 +47,7 @@ class Modes {
     return this.W.map((row) => {
       let re = 0, im = 0, terms = 0;
       for (let i = 0; i < row.length; i++) {
+        if (x[i] === 0) continue;
         re += row[i].re * x[i];
         im += row[i].im * x[i];
         terms += modulus(row[i]) * Math.abs(x[i]);

@@ -46,27 +46,32 @@ function response(car, row, wheel, frequencies) {
   });
 }
 
-// One-sided spectrum of an output on a road.
-function spectrum(car, row, road, frequencies) {
-  const total = frequencies.map(() => 0), rates = car.dynamics.whole(car.dynamics.rates);
+// One-sided spectra of the outputs of some rows on a road.
+function spectra(car, rows, road, frequencies) {
+  const totals = rows.map(() => frequencies.map(() => 0)), rates = car.dynamics.whole(car.dynamics.rates);
   for (const process of car.processes[road.tracks]) {
-    const integrated = car.integrated(process), on = car.on_integrators[row], drift = dot(on, integrated.drift);
-    const axles = car.entries(process).map((entry, j) => ({
-      gains: gainsOf(car, row, entry),
-      through: dot(car.on_road_velocity[row], process.weights[j]),
-      warp: dot(on, integrated.rates[j]),
-      tau: car.behind[j] / road.speed,
-    }));
-    frequencies.forEach((f, i) => {
-      const s = complex(0, 2 * Math.PI * f);
-      const whole = axles.reduce((sum, { gains, through, warp, tau }) => {
-        const turn = exponentialLess1(scaled(s, -tau)), alone = plus(resonances(rates, gains, s), complex(through));
-        return plus(sum, plus(product(plus(turn, complex(1)), alone), quotient(scaled(turn, warp), s)));
-      }, quotient(complex(drift), s));
-      total[i] += shareOf(process, road, f / road.speed, car.track_width) * verticalVelocity(road, f) * power(whole);
+    const integrated = car.integrated(process), entries = car.entries(process);
+    const strengths = frequencies.map((f) =>
+      shareOf(process, road, f / road.speed, car.track_width) * verticalVelocity(road, f));
+    rows.forEach((row, at) => {
+      const on = car.on_integrators[row], drift = dot(on, integrated.drift);
+      const axles = entries.map((entry, j) => ({
+        gains: gainsOf(car, row, entry),
+        through: dot(car.on_road_velocity[row], process.weights[j]),
+        warp: dot(on, integrated.rates[j]),
+        tau: car.behind[j] / road.speed,
+      }));
+      frequencies.forEach((f, i) => {
+        const s = complex(0, 2 * Math.PI * f);
+        const whole = axles.reduce((sum, { gains, through, warp, tau }) => {
+          const turn = exponentialLess1(scaled(s, -tau)), alone = plus(resonances(rates, gains, s), complex(through));
+          return plus(sum, plus(product(plus(turn, complex(1)), alone), quotient(scaled(turn, warp), s)));
+        }, quotient(complex(drift), s));
+        totals[at][i] += strengths[i] * power(whole);
+      });
     });
   }
-  return total;
+  return totals;
 }
 
 // Angles in degrees without the jumps of a whole turn.

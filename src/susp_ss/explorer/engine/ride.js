@@ -96,11 +96,8 @@ class Ride {
   // How a process moves the modes by each of its axles.
   entries(process) {
     if (!this.entered.has(process)) {
-      this.entered.set(process, process.weights.map((row) => {
-        const total = new Float64Array(this.entering[0].length);
-        row.forEach((weight, wheel) => add(total, this.entering[wheel], weight));
-        return this.dynamics.amplitudes(total);
-      }));
+      const { dynamics } = this, moved = multiply(process.weights, this.entering);
+      this.entered.set(process, moved.map((one) => dynamics.amplitudes(one)));
     }
     return this.entered.get(process);
   }
