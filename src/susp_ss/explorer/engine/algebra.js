@@ -2,12 +2,10 @@
 
 // Rows are plain arrays, of which engines of JavaScript make many small ones faster than of typed ones.
 function zeros(rows, columns) {
-  const out = [];
-  for (let i = 0; i < rows; i++) {
-    const row = [];
-    for (let j = 0; j < columns; j++) row.push(0.5); // What holds a fraction once is kept as one of doubles.
-    out.push(row.fill(0));
-  }
+  const row = [], out = [];
+  for (let j = 0; j < columns; j++) row.push(0.5); // What holds a fraction once is kept as one of doubles.
+  row.fill(0);
+  for (let i = 0; i < rows; i++) out.push(row.slice());
   return out;
 }
 

@@ -4,18 +4,14 @@
 // p' = v + ..., v' = -K p - C v + ..., K and C symmetric; vectors hold the positions before the velocities, `shapes` are
 // those of the positions.
 class Dynamics extends Modes {
-  // Of K and C in which some `pairs` of positions may be alike, those of left and right; `near` are those of a C that is
-  // little else.
-  static of(K, C, pairs, near = null) {
-    const Q = identity(K.length);
-    for (const [i, j] of pairs) [Q[i][i], Q[i][j], Q[j][i], Q[j][j]] = [1, 1, 1, -1].map((one) => one * Math.SQRT1_2);
-    const turned = [K, C].map((M) => multiply(Q, multiply(M, Q)));
+  // Of motions that may fall apart into some that know nothing of one another; `near` are those of a C that is little else.
+  static of(K, C, near = null) {
     const met = (M, i, j) => Math.abs(M[i][j]) > ROUNDING * Math.sqrt(Math.abs(M[i][i] * M[j][j]));
-    const parts = coupled(Q.map((row, i) => row.map((_, j) => Number(turned.some((M) => met(M, i, j))))));
+    const parts = coupled(K.map((row, i) => row.map((_, j) => Number(met(K, i, j) || met(C, i, j)))));
     if (parts.length === 1) return Dynamics.sound(K, C, near);
-    return new Apart(parts.map((rows, at) => {
-      const [own, other] = turned.map((M) => rows.map((i) => rows.map((j) => M[i][j])));
-      return { own: Dynamics.sound(own, other, near?.halves?.[at]), on: Q.map((row) => rows.map((i) => row[i])) };
+    return new Apart(K.length, parts.map((rows, at) => {
+      const [own, damping] = [K, C].map((M) => rows.map((i) => rows.map((j) => M[i][j])));
+      return { own: Dynamics.sound(own, damping, near?.parts?.[at]?.own), rows };
     }));
   }
 
@@ -28,22 +24,38 @@ class Dynamics extends Modes {
     super();
     const n = K.length, unit = Math.sqrt(sum(K.map((row, i) => row[i])) / n);
     Object.assign(this, { n, K: divided(K, unit ** 2), C: divided(C, unit) });
-    const modes = this.modes = this.polishedOf(near) ?? this.fresh();
-    this.turn(modes.map(({ rate }) => scaled(rate, unit)));
-    this.shapes = modes.map(({ x }) => {
+    const found = this.followed(near) ?? this.fresh();
+    this.found = found;
+    this.turn(found.map(({ rate }) => scaled(rate, unit)));
+    this.shapes = found.map(({ x }) => {
       const shape = this.K.map((_, i) => complex(x[2 * i], x[2 * i + 1])), most = ROUNDING * Math.max(...shape.map(modulus));
       return shape.map((one) => (modulus(one) > most ? one : complex(0)));
     });
-    const V = this.rates.map((rate, k) => [...this.shapes[k], ...this.shapes[k].map((one) => product(rate, one))]);
-    // A swinging mode adds twice the real part of its shape times its amplitude, so that both parts are columns.
-    const parts = (mode, k) => [mode.map(({ re }) => re), mode.map(({ im }) => im)].slice(0, this.counted[k]);
-    const rows = inverse(transpose(V.flatMap(parts))).of;
-    this.W = this.counted.map((count) => {
+    this.invert(unit);
+  }
+
+  // A real vector is twice the real part of all that swings and what creeps: shapes' parts are columns of what makes it.
+  invert(unit) {
+    const { n, rates, shapes, counted } = this, V = zeros(2 * n, 2 * n), sizes = [];
+    let column = 0;
+    rates.forEach((rate, k) => {
+      let size = 0;
+      shapes[k].forEach((one, i) => {
+        const moving = product(rate, one);
+        [V[i][column], V[n + i][column]] = [one.re, moving.re];
+        if (counted[k] === 2) [V[i][column + 1], V[n + i][column + 1]] = [one.im, moving.im];
+        size += unit * modulus(one) + modulus(moving);
+      });
+      column += counted[k];
+      sizes.push(size);
+    });
+    const rows = inverse(V).of;
+    this.W = counted.map((count) => {
       const [re, im] = rows.splice(0, count);
       return re.map((one, i) => (im ? complex(0.5 * one, -0.5 * im[i]) : complex(one)));
     });
-    const size = (x, by) => sum(x.map((one, i) => modulus(one) * (i < n ? by : 1)));
-    this.condition = Math.max(...V.map((mode, k) => size(mode, unit) * size(this.W[k], 1 / unit))) / (2 * n);
+    const seen = this.W.map((row) => sum(row.map((one, i) => modulus(one) / (i < n ? unit : 1))));
+    this.condition = column === 2 * n ? Math.max(...seen.map((one, k) => one * sizes[k])) / (2 * n) : Infinity;
   }
 
   fresh() {
@@ -57,9 +69,9 @@ class Dynamics extends Modes {
   }
 
   // The modes that others become, if these are all there are: their rates add up to the traces of A and of its square.
-  polishedOf(near) {
+  followed(near) {
     if (near?.n !== this.n) return null;
-    const { K, C, n } = this, modes = near.modes.map(({ rate, x }) => this.polished(this.corrected(rate, x), x));
+    const { K, C, n } = this, modes = near.found.map(({ rate, x }) => this.polished(this.corrected(rate, x), x));
     let trace = 0, square = 0;
     for (const { rate } of modes) {
       const count = creeping(rate) ? 1 : 2;
@@ -121,14 +133,13 @@ class Dynamics extends Modes {
   }
 }
 
-// Motions that know nothing of one another, as those of a car's two halves, each `on` the positions by a matrix.
+// Motions that know nothing of one another, as those of a car's two halves, each of its own rows of all n positions.
 class Apart extends Modes {
-  constructor(parts) {
-    const onAll = (on, x) => on.map((row) => applied(row, x));
-    const bothOnAll = (on, x) => [x.slice(0, x.length / 2), x.slice(x.length / 2)].flatMap((one) => onAll(on, one));
-    super(parts.flatMap(({ own }) => own.rates), parts.flatMap(({ own, on }) => own.W.map((row) => bothOnAll(on, row))));
-    this.shapes = parts.flatMap(({ own, on }) => own.shapes.map((shape) => onAll(on, shape)));
-    this.halves = parts.map(({ own }) => own);
+  constructor(n, parts) {
+    const both = (rows) => [...rows, ...rows.map((i) => n + i)];
+    super(parts.flatMap(({ own }) => own.rates), parts.flatMap(({ own, rows }) => own.W.map((one) => among(2 * n, both(rows), one))));
+    this.shapes = parts.flatMap(({ own, rows }) => own.shapes.map((one) => among(n, rows, one)));
+    this.parts = parts;
   }
 }
 

@@ -15,6 +15,13 @@ function coupled(A) {
   return parts;
 }
 
+// Complex numbers at some rows among n, none elsewhere.
+function among(n, rows, x) {
+  const whole = Array.from({ length: n }, () => complex(0));
+  rows.forEach((i, at) => (whole[i] = x[at]));
+  return whole;
+}
+
 // Powers of two that, as scales of the states, make rows and columns alike in size.
 function balance(A) {
   const n = A.length, scales = new Float64Array(n).fill(1);
@@ -126,14 +133,8 @@ function schur(H, Z) {
 function modesOf(A) {
   return coupled(A).flatMap((rows) => {
     const found = eigen(rows.map((i) => Float64Array.from(rows, (j) => A[i][j])));
-    return found.map(({ rate, V, W, condition }) => {
-      const [column, row] = [V, W].map((x) => {
-        const whole = A.map(() => complex(0));
-        rows.forEach((i, at) => (whole[i] = x[at]));
-        return whole;
-      });
-      return { rate, V: column, W: row, condition };
-    });
+    const whole = (x) => among(A.length, rows, x);
+    return found.map(({ rate, V, W, condition }) => ({ rate, V: whole(V), W: whole(W), condition }));
   });
 }
 

@@ -37,7 +37,7 @@ class Modes {
   }
 
   // The real row for amplitudes' real parts, then for their imaginary ones, of what is seen of the modes.
-  parts(seen) {
+  reading(seen) {
     const { counted } = this;
     return [...seen.map(({ re }, k) => counted[k] * re), ...seen.map(({ im }, k) => -counted[k] * im)];
   }

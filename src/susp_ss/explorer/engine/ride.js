@@ -96,15 +96,15 @@ class Ride {
   // How a process moves the modes by each of its axles.
   entries(process) {
     if (!this.entered.has(process)) {
-      const { dynamics } = this, moved = multiply(process.weights, this.entering);
-      this.entered.set(process, moved.map((one) => dynamics.amplitudes(one)));
+      const { dynamics, entering } = this;
+      this.entered.set(process, process.weights.map((row) => dynamics.amplitudes(cancelled(row, entering))));
     }
     return this.entered.get(process);
   }
 
   // What a real row for the parts of the modes' amplitudes and for the integrals makes an output of.
   told(row) {
-    return (this.tellings[row] ??= [...this.dynamics.parts(this.sees(row)), ...this.on_integrators[row]]);
+    return (this.tellings[row] ??= [...this.dynamics.reading(this.sees(row)), ...this.on_integrators[row]]);
   }
 
   // Rates of the integrators under a process by each axle, and what is left of them after all axles; no rounding.
@@ -172,28 +172,33 @@ function applied(row, x) {
   return complex(re, im);
 }
 
-// Of a car that the speed does not change, what its dampers do not: masses' roots, stiffnesses over these, which
-// coordinates are those of left and right, how the rates of the heights under the wheels move positions relative to the
-// road and velocities, and what outputs see of p, p' and p''.
+// Rows, each so many times; what cancels by symmetry leaves nothing.
+const cancelled = (weights, rows) => rows[0].map((_, i) => {
+  const terms = weights.map((weight, k) => weight * rows[k][i]), total = sum(terms);
+  return Math.abs(total) > ROUNDING * sum(terms.map(Math.abs)) ? total : 0;
+});
+
+// Of a car that the speed does not change, what its dampers do not: coordinates q = T p in which all masses are one and
+// left and right are their sum and their difference, what stiffness there is in these, how the rates of the heights
+// under the wheels move p relative to the road and p', and what outputs see of p, p' and p''.
 function frameOf({ m, K, K_in, C_in, R, N, coordinates, elongation, rate, acceleration, integrators }) {
-  const root = Array.from(m, Math.sqrt), motions = coordinates.map(({ motion }) => motion), each = [...new Set(motions)];
-  const pairs = each.map((one) => [...motions.keys()].filter((i) => motions[i] === one)).filter(({ length }) => length === 2);
-  const G = quotients(K, K_in), still = multiply(R, G);
+  const T = identity(m.length), slots = coordinates.map(({ motion }) => motion);
+  for (const [i, j] of alike(slots)) [T[i][i], T[i][j], T[j][i], T[j][j]] = [1, 1, 1, -1].map((one) => one * Math.SQRT1_2);
+  T.forEach((row, i) => row.forEach((one, j) => (row[j] = one / Math.sqrt(m[i]))));
+  const G = quotients(K, K_in), still = multiply(R, G), back = transpose(T);
   still.forEach((row, i) => add(row, N[i], 1));
-  const entering = [
-    ...G.map((row, i) => row.map((one) => -one * root[i])),
-    ...C_in.map((row, i) => row.map((one) => one / root[i])),
-  ];
+  const heavy = G.map((row, i) => row.map((one) => -m[i] * one));
   return {
-    frame: { root, stiffness: normalised(K, root), pairs, outputs: [multiply(elongation, R), multiply(rate, R), acceleration] },
-    entering: transpose(entering),
+    frame: { T, back, K: multiply(back, multiply(K, T)), outputs: [multiply(elongation, R), multiply(rate, R), acceleration].map((M) => multiply(M, T)) },
+    entering: transpose([...multiply(back, heavy), ...multiply(back, C_in)]),
     G,
     on_integrators: multiply(elongation, warped(still, integrators)),
-    slots: motions,
+    slots,
   };
 }
 
-const normalised = (A, root) => A.map((row, i) => row.map((one, j) => one / (root[i] * root[j])));
+// Where the same name stands twice.
+const alike = (names) => [...names.keys()].map((i) => [i, names.indexOf(names[i], i + 1)]).filter(([, j]) => j > 0);
 
 // A car that the speed does not change, which may be like another but for its dampers.
 class Car extends Ride {
@@ -201,33 +206,39 @@ class Car extends Ride {
     super(model, parameters);
     this.framed = like?.framed ?? frameOf(this);
     Object.assign(this, this.framed);
-    const { root, stiffness, pairs } = this.frame;
-    this.dynamics = Dynamics.of(stiffness, normalised(this.C, root), pairs, like?.dynamics);
-    this.shapes = this.dynamics.shapes.map((shape) => shape.map((one, i) => scaled(one, 1 / root[i])));
+    const { T, back, K } = this.frame;
+    this.dynamics = Dynamics.of(K, multiply(back, multiply(this.C, T)), like?.dynamics);
+  }
+
+  // Shapes of the modes in the coordinates.
+  get shapes() {
+    return this.dynamics.shapes.map((shape) => this.frame.T.map((row) => applied(row, shape)));
   }
 
   // What an output sees of each mode: elongation R p + rate R p' + acceleration p''.
   sees(row) {
     const [still, moving, accelerated] = this.frame.outputs.map((M) => M[row]);
     return this.dynamics.rates.map((rate, k) => {
-      const [x, v, a] = [still, moving, accelerated].map((one) => applied(one, this.shapes[k]));
+      const [x, v, a] = [still, moving, accelerated].map((one) => applied(one, this.dynamics.shapes[k]));
       return plus(x, product(rate, plus(v, product(rate, a))));
     });
   }
 
   // What is shown of where everything is: what it sees of the modes, and by how much the ground carries it.
   get positions() {
+    const { shapes } = this;
     return this.placed.map(({ at }, i) => ({
       at,
-      seen: this.shapes.map((shape) => applied(this.places[i], shape)),
+      seen: shapes.map((shape) => applied(this.places[i], shape)),
       carried: multiply([this.places[i]], this.G)[0],
     }));
   }
 
   // Every mode with its shape in the coordinates, and the shares of its kinetic energy that the `slots` have.
   motions() {
+    const { shapes } = this;
     return this.dynamics.rates.map((rate, k) => {
-      const shape = this.shapes[k], energies = shape.map((one, i) => power(one) * this.m[i]), all = sum(energies);
+      const shape = shapes[k], energies = shape.map((one, i) => power(one) * this.m[i]), all = sum(energies);
       return { rate, shape, shares: energies.map((one) => one / all) };
     });
   }
