@@ -60,9 +60,9 @@ const NEAR = 4, FAR = 10;
 
 // The car of numbers that stands for one of curves on a road, and how far its dampers pump it.
 class StraightCar extends Car {
-  constructor(curved, rates, near = curved) {
+  constructor(curved, rates, like = curved) {
     const dampers = Object.fromEntries(curved.dampers.map((name, i) => [name, rates[i]]));
-    super(curved.model, { ...curved.parameters, ...dampers }, near);
+    super(curved.model, { ...curved.parameters, ...dampers }, like);
     this.settled = true;
   }
 
@@ -88,7 +88,7 @@ class CurvedCar extends Ride {
   constructor(model, parameters, curve) {
     super(model, parameters);
     this.measured = [...this.measured, ...this.shifts];
-    this.framed = frameOf(this);
+    this.frame = frameOf(this);
     this.dampers = this.corners.map((corner) => (corner ? `cs_${corner}` : "cs"));
     this.laws = this.dampers.map((name) => damper(parameters[name], curve));
     this.first = this.laws.map((law) => law.means(CURVE.middling).slope);
@@ -105,10 +105,10 @@ class CurvedCar extends Ride {
     return bumpOfCurves(this, asked);
   }
 
-  // The car of numbers that logarithms x of the dampers' powers make.
-  trial(x, near) {
+  // The car of numbers that logarithms x of the dampers' powers make, which is little else than one before.
+  trial(x, before = null) {
     const means = this.laws.map((law, i) => law.means(law.deviation(Math.exp(x[i]))));
-    return { x, means, car: new StraightCar(this, means.map(({ slope }) => slope), near?.car) };
+    return { x, means, car: new StraightCar(this, means.map(({ slope }) => slope), before?.car) };
   }
 
   // By how much its powers are other than these, of what passes.

@@ -60,9 +60,8 @@ const deviation = (variance) => Math.sqrt(Math.max(variance, 0));
 
 // A car of numbers, ready for any road: a kind of `MODELS`, with parameters at every wheel.
 //
-// Its `dynamics` are moved by the rates of the heights under the wheels as `entering` says, vectors by wheel; of the
-// modes every output sees `seen`, of those rates themselves `on_road_velocity`, and `on_integrators` of the `integrators`
-// of these.
+// Its `dynamics` are moved by the rates of the heights under the wheels as `entering` says, vectors by wheel; an output
+// `sees` the modes, of those rates themselves `on_road_velocity`, and `on_integrators` of the `integrators` of these.
 class Ride {
   constructor(model, parameters) {
     Object.assign(this, MODELS[model], MODELS[model].assemble(parameters), { model, parameters });
@@ -93,7 +92,7 @@ class Ride {
     return bump(this.at(asked), asked);
   }
 
-  // How a process moves the modes by each of its axles.
+  // How a process moves the modes by each of its axles; what cancels by symmetry, not at all.
   entries(process) {
     if (!this.entered.has(process)) {
       const { dynamics, entering } = this;
@@ -141,7 +140,8 @@ class Ride {
       rows.forEach((row, i) => {
         const feeds = one.process.weights.map((weights) => dot(this.on_road_velocity[row], weights));
         if (feeds.every((feed) => feed === 0)) return;
-        through[i] += filtered ? one.passedOn(dynamics, feeds, this.sees(row), this.on_integrators[row], stirred.felt) : Infinity;
+        const passedOn = () => one.passedOn(dynamics, feeds, this.sees(row), this.on_integrators[row], stirred.felt);
+        through[i] += filtered ? passedOn() : Infinity;
       });
     }
     const R = moments.settled();
@@ -172,7 +172,7 @@ function applied(row, x) {
   return complex(re, im);
 }
 
-// Rows, each so many times; what cancels by symmetry leaves nothing.
+// Rows, each so many times; of what cancels, no rounding.
 const cancelled = (weights, rows) => rows[0].map((_, i) => {
   const terms = weights.map((weight, k) => weight * rows[k][i]), total = sum(terms);
   return Math.abs(total) > ROUNDING * sum(terms.map(Math.abs)) ? total : 0;
@@ -189,7 +189,10 @@ function frameOf({ m, K, K_in, C_in, R, N, coordinates, elongation, rate, accele
   still.forEach((row, i) => add(row, N[i], 1));
   const heavy = G.map((row, i) => row.map((one) => -m[i] * one));
   return {
-    frame: { T, back, K: multiply(back, multiply(K, T)), outputs: [multiply(elongation, R), multiply(rate, R), acceleration].map((M) => multiply(M, T)) },
+    T,
+    back,
+    stiffness: multiply(back, multiply(K, T)),
+    views: [multiply(elongation, R), multiply(rate, R), acceleration].map((M) => multiply(M, T)),
     entering: transpose([...multiply(back, heavy), ...multiply(back, C_in)]),
     G,
     on_integrators: multiply(elongation, warped(still, integrators)),
@@ -204,20 +207,19 @@ const alike = (names) => [...names.keys()].map((i) => [i, names.indexOf(names[i]
 class Car extends Ride {
   constructor(model, parameters, like = null) {
     super(model, parameters);
-    this.framed = like?.framed ?? frameOf(this);
-    Object.assign(this, this.framed);
-    const { T, back, K } = this.frame;
-    this.dynamics = Dynamics.of(K, multiply(back, multiply(this.C, T)), like?.dynamics);
+    this.frame = like?.frame ?? frameOf(this);
+    const { T, back, stiffness } = Object.assign(this, this.frame);
+    this.dynamics = Dynamics.of(stiffness, multiply(back, multiply(this.C, T)), like?.dynamics);
   }
 
   // Shapes of the modes in the coordinates.
   get shapes() {
-    return this.dynamics.shapes.map((shape) => this.frame.T.map((row) => applied(row, shape)));
+    return this.dynamics.shapes.map((shape) => this.T.map((row) => applied(row, shape)));
   }
 
   // What an output sees of each mode: elongation R p + rate R p' + acceleration p''.
   sees(row) {
-    const [still, moving, accelerated] = this.frame.outputs.map((M) => M[row]);
+    const [still, moving, accelerated] = this.views.map((M) => M[row]);
     return this.dynamics.rates.map((rate, k) => {
       const [x, v, a] = [still, moving, accelerated].map((one) => applied(one, this.dynamics.shapes[k]));
       return plus(x, product(rate, plus(v, product(rate, a))));
