@@ -9,6 +9,12 @@ function zeros(rows, columns) {
   return out;
 }
 
+// What a map holds under a key, made when it is asked for first.
+function kept(map, key, make) {
+  if (!map.has(key)) map.set(key, make());
+  return map.get(key);
+}
+
 const sum = (x) => x.reduce((total, one) => total + one, 0);
 
 function transpose(A) {

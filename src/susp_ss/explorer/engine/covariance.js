@@ -85,7 +85,7 @@ class Passing {
   // `forced`, and e^(rate tau) - 1, `less`.
   faded(rate, { tau, gone }) {
     const over = scaled(rate, tau), less = exponentialLess1(over);
-    const [gains, aparts, pushed, forced] = [0, 1, 2, 3].map(() => complex(0));
+    const gains = complex(0), aparts = complex(0), pushed = complex(0), forced = complex(0);
     this.colours.forEach(({ alpha, slow, fast, weight }, at) => {
       const away = quotient(complex(1), minus(alpha, rate)), pull = product(fast, rate);
       // (e^over - e^(-alpha tau)) / (over + alpha tau), where these are apart.
@@ -133,9 +133,9 @@ class Moments {
 
   // What a passing has stirred up adds to them.
   add({ integrates, own }, entries, { felt, cross }) {
-    const { n, moved, R } = this, parts = (x) => [...x.map(({ re }) => re), ...x.map(({ im }) => im)];
+    const { n, moved, R } = this;
     entries.forEach((entry, j) => {
-      const b = parts(entry), u = parts(felt[j]);
+      const b = partsOf(entry), u = partsOf(felt[j]);
       for (let k = 0; k < 2 * n; k++) {
         if (b[k] === 0 && u[k] === 0) continue;
         const row = moved[k];
@@ -143,7 +143,7 @@ class Moments {
       }
     });
     if (!integrates) return;
-    cross.map(parts).forEach((row, k) => row.forEach((one, at) => (R[at][2 * n + k] = R[2 * n + k][at] += one)));
+    cross.map(partsOf).forEach((row, k) => row.forEach((one, at) => (R[at][2 * n + k] = R[2 * n + k][at] += one)));
     own.forEach((row, k) => row.forEach((one, l) => (R[2 * n + k][2 * n + l] += one)));
   }
 
@@ -165,6 +165,13 @@ class Moments {
     }
     return R;
   }
+}
+
+function partsOf(x) {
+  const found = [];
+  for (const { re } of x) found.push(re);
+  for (const { im } of x) found.push(im);
+  return found;
 }
 
 // Heights of later axles less that of the first, of heights that drift: less what the first has met, and what is left of

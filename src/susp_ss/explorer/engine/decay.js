@@ -46,11 +46,10 @@ class Decay {
 
   // (A + rate I)^-1 and its transpose.
   shifted(rate) {
-    if (!this.shifts.has(rate)) {
+    return kept(this.shifts, rate, () => {
       const { of } = inverse(this.A.map((row, i) => row.map((one, j) => one + (i === j ? rate : 0))));
-      this.shifts.set(rate, [of, transpose(of)]);
-    }
-    return this.shifts.get(rate);
+      return [of, transpose(of)];
+    });
   }
 
   passage(T) {

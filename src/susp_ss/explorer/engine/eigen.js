@@ -17,7 +17,8 @@ function coupled(A) {
 
 // Complex numbers at some rows among n, none elsewhere.
 function among(n, rows, x) {
-  const whole = Array.from({ length: n }, () => complex(0));
+  const whole = [];
+  for (let i = 0; i < n; i++) whole.push(complex(0));
   rows.forEach((i, at) => (whole[i] = x[at]));
   return whole;
 }

@@ -65,7 +65,7 @@ const deviation = (variance) => Math.sqrt(Math.max(variance, 0));
 class Ride {
   constructor(model, parameters) {
     Object.assign(this, MODELS[model], MODELS[model].assemble(parameters), { model, parameters });
-    Object.assign(this, { entered: new Map(), tellings: [] });
+    Object.assign(this, { driven: new Map(), entered: new Map(), tellings: [] });
   }
 
   // Why there is nothing to be said of it at all, or nothing on any road.
@@ -92,13 +92,14 @@ class Ride {
     return bump(this.at(asked), asked);
   }
 
-  // How a process moves the modes by each of its axles; what cancels by symmetry, not at all.
+  // How a process moves what moves, by each of its axles; what cancels by symmetry, not at all.
+  moved(process) {
+    return kept(this.driven, process, () => process.weights.map((row) => cancelled(row, this.entering)));
+  }
+
+  // How it moves the modes.
   entries(process) {
-    if (!this.entered.has(process)) {
-      const { dynamics, entering } = this;
-      this.entered.set(process, process.weights.map((row) => dynamics.amplitudes(cancelled(row, entering))));
-    }
-    return this.entered.get(process);
+    return kept(this.entered, process, () => this.moved(process).map((one) => this.dynamics.amplitudes(one)));
   }
 
   // What a real row for the parts of the modes' amplitudes and for the integrals makes an output of.
@@ -172,7 +173,7 @@ function applied(row, x) {
   return complex(re, im);
 }
 
-// Rows, each so many times; of what cancels, no rounding.
+// Rows, each so many times, added up; of what cancels, no rounding.
 const cancelled = (weights, rows) => rows[0].map((_, i) => {
   const terms = weights.map((weight, k) => weight * rows[k][i]), total = sum(terms);
   return Math.abs(total) > ROUNDING * sum(terms.map(Math.abs)) ? total : 0;
@@ -194,6 +195,7 @@ function frameOf({ m, K, K_in, C_in, R, N, coordinates, elongation, rate, accele
     stiffness: multiply(back, multiply(K, T)),
     views: [multiply(elongation, R), multiply(rate, R), acceleration].map((M) => multiply(M, T)),
     entering: transpose([...multiply(back, heavy), ...multiply(back, C_in)]),
+    driven: new Map(),
     G,
     on_integrators: multiply(elongation, warped(still, integrators)),
     slots,
