@@ -126,7 +126,9 @@ HANDLING = _table(
     Quantity("yaw_rate", "rad/s", "yaw rate", "r"),
     Quantity("sideslip", "rad", "sideslip angle below the centre of gravity", "", shown="deg"),
     Quantity("roll", "rad", "roll angle of the body", "", shown="deg"),
-    Quantity("load_transfer", "N", "load that an axle moves from the left wheel to the right", "", dim="axle"),
+    Quantity(
+        "load_transfer", "N", "load that an axle moves from the left wheel to the right", "", shown="kN", dim="axle"
+    ),
     Quantity("load_transfer_ratio", "", "share of the car's weight that has moved from the left wheels to the right"),
     Quantity("slip_angle", "rad", "slip angle of the tyre", "", shown="deg", dim="corner"),
 )

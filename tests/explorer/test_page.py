@@ -186,9 +186,8 @@ def test_quantities_at_several_places_have_one_title_and_the_unit_of_pictures(ta
     ride = ss.ride_metrics(ss.RideHandlingCar(), ROAD)
     slip = np.degrees(ride.slip_angle.sel(corner="rr"))
     assert near(row(tab, "Slip angle of the tyre (deg)", "rear right")[0], slip)
-    assert near(
-        row(tab, "Load that an axle moves from the left wheel to the right (N)", "front")[0], ride.load_transfer[0]
-    )
+    moved = 1e-3 * ride.load_transfer[0]
+    assert near(row(tab, "Load that an axle moves from the left wheel to the right (kN)", "front")[0], moved)
     tab.go("?model=quarter&curve_rebound=1.3")
     shift = compute(from_query("model=quarter&curve_rebound=1.3")[0])["metrics"][-1]["value"]
     assert near(row(tab, "Mean deflection of the suspension (mm)")[0], 1e3 * shift)

@@ -1,7 +1,7 @@
 """A linkage as struts on a rigid body: whole, or as the mean of its two sides and half their difference.
 
 Where left and right are alike, the mean of both heaves and pitches, the half difference rolls, neither feels the other,
-and each half is one or two struts joined by a body. All is read off the linkage itself, so that whatever has no halves
+and each half is a strut an axle, joined by a body. All is read off the linkage itself, so that whatever has no halves
 (unequal sides), or is more than struts on a rigid body (a rigid tyre, links of its own), is known by what it is. A seat
 is a strut as well: its rider is a wheel without a tyre.
 """
@@ -111,7 +111,7 @@ def halves(linkage: Linkage, wheels: Mapping[str, Wheel]) -> tuple[OnStruts, ...
         axles = [tuple(name for name, wheel in wheels.items() if wheel.axle == axle) for axle in ends]
         if any(sorted(wheels[name].side for name in axle) != [-1, 1] for axle in axles):
             return ()
-    if len(axles) > 2 or not set(linkage.bars) <= set(axles):
+    if not set(linkage.bars) <= set(axles):
         return ()
 
     struts = _struts(linkage)

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+import scipy.linalg
 from hypothesis import given, settings
 
 import models
 import susp_ss as ss
 from models import VEHICLES
+from susp_ss.responses.covariance.lyapunov import Dynamics
 
 
 @given(models.vehicles, models.roads)
@@ -58,15 +60,20 @@ def test_a_long_sweep_is_each_of_its_designs():
         )
 
 
-@pytest.mark.parametrize("tracks", ["identical", "independent", "isotropic"])
-def test_long_delays_are_reached_by_squaring_to_the_same_end(tracks, monkeypatch):
-    from susp_ss.responses.covariance import lyapunov
-
-    car, road = VEHICLES["full, unequal corners"], ss.Road(tracks=tracks, speed=1.0, cutoff=0.01)
-    walked = ss.covariance(car, road)
-    monkeypatch.setattr(lyapunov, "LONGEST_WALK", 0)
-    leapt = ss.covariance(car, road)
-    np.testing.assert_allclose(leapt, walked, rtol=1e-10, atol=1e-12 * float(abs(walked).max()))
+@pytest.mark.parametrize("alphas", [[], [0.5, 5.0, 80.0], [3.0 + 4.0j, 200.0 - 9.0j]])
+def test_what_a_delay_carries(alphas):
+    # Its first mode is as fast as a colour: (s + 5) (s + 80).
+    K, C = np.diag([400.0, 90.0]), np.array([[85.0, 2.0], [0.0, 3.0]])
+    taus, b, rates = np.array([0.0, 1e-3, 0.1, 3.0]), np.array([1.0, -2.0, 3.0, 0.5]), np.array(alphas)
+    each = [np.broadcast_to(x, (len(taus), *x.shape)) for x in (K, C, b, rates)]
+    free, forced = Dynamics(*each[:2]).propagate(each[2], taus, each[3])
+    A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K, -C]])
+    for i, tau in enumerate(taus):
+        np.testing.assert_allclose(free[i, :, 0], scipy.linalg.expm(A * tau) @ b, rtol=1e-11, atol=1e-14)
+        for j, alpha in enumerate(alphas):
+            forcing = np.block([[A, b[:, None]], [np.zeros((1, 4)), np.array([[-alpha]])]])
+            expected = scipy.linalg.expm(forcing * tau)[:4, 4]
+            np.testing.assert_allclose(forced[i, j, :, 0], expected, rtol=1e-11, atol=1e-14)
 
 
 def test_a_crawling_car_sees_two_independent_axles():

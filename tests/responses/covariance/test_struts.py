@@ -1,4 +1,4 @@
-"""Struts that differ, by polynomials: against matrices, halves, multiple precision, and a truck against scipy."""
+"""More struts than two, by polynomials: against matrices, halves, multiple precision, and a truck against scipy."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -13,7 +13,7 @@ import oracles
 import susp_ss as ss
 from models import ROADS, VEHICLES, WHEEL_ROADS
 from susp_ss.responses.covariance import digits, polynomials, routes, struts, symmetric, whole
-from susp_ss.responses.excitation import spanned
+from susp_ss.responses.excitation import processes, spanned
 from susp_ss.vehicles.half import corners
 from susp_ss.vehicles.linkage import Linkage, Wheel, coordinates
 from susp_ss.vehicles.vehicle import Vehicle
@@ -24,7 +24,7 @@ ON_STRUTS = {name: vehicle for name, vehicle in VEHICLES.items() if name != "rig
 def by_struts(vehicle, road):
     """Variances (outputs, N), and which designs (N,) are left to matrices, where nothing is split."""
     space, flat, flat_road = spanned(vehicle, road)
-    return whole.whole_variances(flat.whole(), flat, flat_road, space.size)
+    return whole.whole_variances([flat.whole()], flat, flat_road, space.size)
 
 
 def by_matrices(vehicle, road):
@@ -332,6 +332,19 @@ def test_trucks_near_and_far_from_any_keep_nine_digits():
         np.testing.assert_allclose(values[:, ~left], exact[:, ~left], rtol=3e-9, atol=1e-22)
 
 
+@pytest.mark.parametrize("road", ROADS.values(), ids=ROADS.keys())
+def test_trucks_whose_sides_are_alike_go_by_halves(road):
+    rng = np.random.default_rng(2)
+    cs = tuple(value * 3.0 ** rng.uniform(-1.0, 1.0, 20) for value in (10e3, 15e3, 15e3))
+    trucks = ss.ThreeAxleTruck(mb=21e3 * 1.5 ** rng.uniform(-1.0, 1.0, 20), cs=cs, arb_middle=2e5)
+    space, flat, flat_road = spanned(trucks, road)
+    mean, difference = flat.halves()
+    assert [len(half.struts) for half in (mean, difference)] == [3, 3]
+    values, left = whole.whole_variances([mean, difference], flat, flat_road, space.size)
+    assert not left.any()
+    np.testing.assert_allclose(values, by_matrices(trucks, road), rtol=1e-11, atol=1e-22)
+
+
 def test_a_truck_is_a_vehicle_like_any_other():
     metrics = ss.ride_metrics(Truck(cs=np.array([10e3, 12e3])), ss.Road(tracks="isotropic"))
     assert metrics.sws.corner.values.tolist() == list(Truck.wheels)
@@ -350,7 +363,7 @@ def test_a_rigid_tyre_or_matrices_of_its_own_take_matrices():
 
 def test_bounds_on_turns_hold():
     _, flat, _ = spanned(apart(1.0), ss.Road())
-    problem = whole.problem(flat.whole(), flat, ss.Road(), 1)
+    problem = whole.problem(flat.whole(), flat, ss.Road(), 1, processes(flat, ss.Road()))
     roots = np.roots(struts.linked(problem.chassis).D[::-1, 0])
     (tau,) = problem.delays.values()
     bound = digits.turns(problem.stiffened(), problem.compliance(), tau)

@@ -14,12 +14,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Taylor steps of h with rate * h <= 4: rounding costs less than two digits, and 4^32 / 32! is below it.
-TAYLOR_REACH = 4.0
-TAYLOR_TERMS = 32
-
-# A delay of more steps than this (a walking pace) is reached by squaring instead.
-LONGEST_WALK = 64
+# A Taylor step of h with rate * h <= 1: 1 / 18! is below rounding.
+TAYLOR_TERMS = 18
 
 
 class Dynamics:
@@ -31,11 +27,6 @@ class Dynamics:
     def __init__(self, K: Any, C: Any):
         self.K, self.C = K, C
         self.n = K.shape[-1]
-
-    def apply(self, x: Array) -> Array:
-        """``A x``."""
-        p, v = x[:, : self.n], x[:, self.n :]
-        return np.concatenate([v, -(self.K @ p) - self.C @ v], axis=1)
 
     def solve(self, x: Any) -> Any:
         """``A^-1 x`` of columns (N, 2n, k)."""
@@ -54,6 +45,11 @@ class Dynamics:
         damping = 0.5 * np.linalg.norm(self.C, ord=np.inf, axis=(-2, -1))
         return damping + np.sqrt(damping**2 + np.linalg.norm(self.K, ord=np.inf, axis=(-2, -1)))
 
+    def reach(self, rates: Array, tau: Array) -> float:
+        """The most that a mode, or a forcing that decays at ``rates`` (N, J), turns over the delays ``tau`` (N,)."""
+        fastest = np.maximum(self.fastest(), np.abs(rates).max(axis=1, initial=0.0))
+        return float(np.max(fastest * tau))
+
     def propagate(self, b: Array, tau: Array, alphas: Array) -> tuple[Array, Array]:
         """Carry ``b`` over the delay, freely and under decaying forcing.
 
@@ -71,36 +67,17 @@ class Dynamics:
         forced : ndarray, (N, J, 2n, 1)
             ``int_0^tau e^(A (tau - s)) b e^(-alpha s) ds``.
         """
-        N, J = alphas.shape
-        forcing = np.concatenate([np.zeros((N, 1)), np.ones((N, J))], axis=1)
-        rates = np.concatenate([np.zeros((N, 1)), alphas], axis=1)
-        x = np.concatenate([b[:, :, None], np.zeros((N, b.shape[1], J), dtype=alphas.dtype)], axis=2)
-        reach = np.maximum(self.fastest(), np.abs(rates).max(axis=1)) * tau
-        steps = max(1, int(np.ceil(reach.max() / TAYLOR_REACH)))
-        if steps > LONGEST_WALK:
-            return self._leap(b, tau, alphas, int(np.ceil(np.log2(steps))))
-        h = (tau / steps)[:, None, None]
-        for _ in range(steps):
-            term, drive, total = x, forcing[:, None, :], x
-            for k in range(1, TAYLOR_TERMS + 1):
-                term = (h / k) * (self.apply(term) + b[:, :, None] * drive)
-                drive = -(h / k) * rates[:, None, :] * drive
-                total = total + term
-            x, forcing = total, forcing * np.exp(-h[:, 0] * rates)
-        return x[:, :, :1].real, np.moveaxis(x[:, :, 1:, None], 2, 1)
+        source, rates = b[:, :, None], alphas[:, None, :]
+        E, f = carried_over(self._first_order, source + 0.0 * rates, rates, tau[:, None, None], self.reach(alphas, tau))
+        return E @ source, np.moveaxis(f, 2, 1)[..., None]
 
-    def _leap(self, b: Array, tau: Array, alphas: Array, squarings: int) -> tuple[Array, Array]:
-        """The same as `propagate` over a long delay: ``e^(A h)`` squared, ``(alpha I + A)^-1`` for the forcing."""
-        h = (tau / 2.0**squarings)[:, None, None]
-        E = term = np.broadcast_to(np.eye(2 * self.n), (len(tau), 2 * self.n, 2 * self.n))
-        for k in range(1, TAYLOR_TERMS + 1):
-            term = (h / k) * self.apply(term)
-            E = E + term
-        for _ in range(squarings):
-            E = E @ E
-        free, rates = E @ b[:, :, None], alphas[:, :, None, None]
-        left = free[:, None] - np.exp(-rates * tau[:, None, None, None]) * b[:, None, :, None]
-        return free, -self.resolvent(-rates, left)
+    @cached_property
+    def _first_order(self) -> Array:
+        """A, (N, 2n, 2n)."""
+        n = self.n
+        A = np.zeros((len(self.K), 2 * n, 2 * n))
+        A[:, :n, n:], A[:, n:, :n], A[:, n:, n:] = np.eye(n), -self.K, -self.C
+        return A
 
     def lyapunov(self, Q: Array) -> tuple[Array, Array]:
         """Solve ``A X + X A^T + Q = 0`` for symmetric Q (..., N, 2n, 2n); every design must be asymptotically stable.
@@ -148,6 +125,42 @@ class Dynamics:
         L = (V - _transpose(V)) + _symmetrised(left[1] + _left(C, V))
         L = L.reshape(len(K), n * n, n * n)
         return unit, K, C, L, np.asarray(np.linalg.inv(L), dtype=float)
+
+
+def carried_over(A: Any, forcing: Any, rates: Any, tau: Any, reach: float) -> tuple[Any, Any]:
+    """Carry all states over a delay, freely and under decaying forcing, of arrays or dual numbers.
+
+    By Taylor over a short time h, then over twice the time and so on, ``E <- E^2`` and ``f <- E f + f e^(-rate h)``.
+
+    Parameters
+    ----------
+    A : (N, m, m)
+    forcing : (N, m, J)
+    rates : (N, 1, J)
+        At which each forcing decays.
+    tau : (N, 1, 1)
+    reach : float
+        The most that an eigenvalue of A, or a rate, turns over a delay.
+
+    Returns
+    -------
+    E : (N, m, m)
+        ``e^(A tau)``.
+    f : (N, m, J)
+        ``int_0^tau e^(A (tau - s)) forcing e^(-rate s) ds``.
+    """
+    doublings = max(0, int(np.ceil(np.log2(max(reach, 1.0)))))
+    h = tau / 2.0**doublings
+    E = term = 0.0 * A + np.eye(A.shape[-1])
+    f = drift = 0.0 * forcing
+    for k in range(1, TAYLOR_TERMS + 1 if reach else 0):
+        term, drift = A @ term * (h / k), (A @ drift + forcing) * (h / k)
+        forcing = forcing * (rates * h / -k)
+        E, f = E + term, f + drift
+    for _ in range(doublings):
+        f = E @ f + f * np.exp(-(rates * h))
+        E, h = E @ E, 2.0 * h
+    return E, f
 
 
 @cache

@@ -2,8 +2,9 @@
 
 - Designs that fall into halves (left and right alike, struts on a rigid body) go by polynomials (`symmetric`), a block
   of them at a time: a microsecond or two each.
-- Other struts on a rigid body, four unequal corners, seats or three axles, go by polynomials of a higher degree
-  (`whole`): some twenty to thirty microseconds a car, half of that once they are many enough to be worth compiling.
+- More struts than two on a rigid body go by polynomials of a higher degree (`whole`), a truck's three axles in halves
+  as well, four unequal corners or seats as they are: some twenty to forty microseconds a vehicle, half of that once
+  they are many enough to be worth compiling.
 - The rest, and those that would lose digits there, take the Lyapunov equation of their matrices in batches
   (`matrices`): some hundred microseconds each.
 
@@ -11,9 +12,9 @@ What a way needs is stated by the vehicle (`Vehicle.halves`, `Vehicle.whole`) or
 the next. The choice shows in nothing but time. Against 80-bit arithmetic, over a thousand random full cars each on
 isotropic tracks, polynomials err by at most 3e-13 with parameters within a factor 2 of a car's, 2e-10 over two decades
 of every mass and stiffness, 2e-8 over three (99 % below 1e-9), and 3e-9 with damping down to a millionth; `whole` errs
-by 1e-12 at a car's damping, by 1e-9 at a third of it, where wheels that hop almost alike cost digits. Designs beyond
-the bounds of `digits` are computed in two systems of units; those that differ go to matrices, which measure their own
-error, and what keeps fewer than six digits there is refused.
+by 1e-12 at a car's damping, by 1e-9 at a third of it, where wheels that hop almost alike cost digits; of a truck's
+halves it differs from matrices by 1e-13. Designs beyond the bounds of `digits` are computed in two systems of units;
+those that differ go to matrices, which measure their own error, and what keeps fewer than six digits there is refused.
 """
 
 from __future__ import annotations
@@ -96,20 +97,22 @@ def by_matrices(
 
 def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Array) -> NDArray[np.bool_]:
     """Fill in the variances (outputs, N) of what goes by polynomials; say which designs (N,) are left to matrices."""
-    halves, size = flat.halves(), variances.shape[1]
+    halves, size = flat.halves() if _on_all_wheels(road, flat) else (), variances.shape[1]
     whole, left = None if halves else flat.whole(), np.ones(size, dtype=bool)
-    if not halves and whole is None:
+    parts = halves if whole is None else (whole,)
+    if not parts:
         return left
+    short = bool(halves) and len(halves[0].struts) <= 2
     # What a block frees, the next one needs: the C library keeps it once it has seen so large an array freed. Otherwise
     # it is handed back and zeroed anew page by page, which takes a third of all the time.
     np.empty(KEPT)
-    plenty, block, long = (PLENTY, BLOCK, LONG_BLOCK) if halves else (MANY, STRUTS_BLOCK, LONG_STRUTS_BLOCK)
+    plenty, block, long = (PLENTY, BLOCK, LONG_BLOCK) if short else (MANY, STRUTS_BLOCK, LONG_STRUTS_BLOCK)
     compiled = designs >= plenty and compiler_found()
-    kernels: Any = polynomials if halves else struts
+    kernels: Any = polynomials if short else struts
     if compiled:
         from . import polynomials_numba, struts_numba
 
-        kernels = polynomials_numba if halves else struts_numba
+        kernels = polynomials_numba if short else struts_numba
 
     def solve(part: slice) -> None:
         count = part.stop - part.start
@@ -117,12 +120,8 @@ def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Arra
         def of(designs: Any) -> Any:
             return designs if count == size else designs.select(part)
 
-        here = of(flat), of(road), count, kernels
-        if whole is None:
-            found = symmetric_variances([of(half) for half in halves], *here)
-        else:
-            found = whole_variances(of(whole), *here)
-        variances[:, part], left[part] = found
+        solved = symmetric_variances if short else whole_variances
+        variances[:, part], left[part] = solved([*map(of, parts)], of(flat), of(road), count, kernels)
 
     first, *others = blocks(size, long if compiled else block)
     # What has yet to be compiled is compiled here, where an interrupt reaches it.
@@ -134,6 +133,10 @@ def _by_polynomials(flat: RoadVehicle, road: Road, designs: int, variances: Arra
         for part in others:
             solve(part)
     return left
+
+
+def _on_all_wheels(road: Road, vehicle: RoadVehicle) -> bool:
+    return road.wheels is None or set(vehicle.wheels) <= set(road.wheels)
 
 
 def _sound(variance: Array, terms: Array, error: Array, infinite: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:

@@ -84,13 +84,11 @@ class Problem(NamedTuple):
 
 
 def problems(halves: Sequence[OnStruts], vehicle: RoadVehicle, road: Road, N: int) -> list[Problem]:
-    """The halves of N designs on a road as problems; none where there are no halves, or a wheel sees no road.
+    """The halves of N designs on a road as problems.
 
-    Nor where a damped tyre passes on a velocity of finite variance, which these polynomials do not hold, or the road
+    None where a damped tyre passes on a velocity of finite variance, which these polynomials do not hold, or the road
     warps the wheels without bound.
     """
-    if road.wheels is not None and not set(vehicle.wheels) <= set(road.wheels):
-        return []
     if road.velocity_is_bounded and any(np.any(strut.ct) for half in halves for strut in half.struts.values()):
         return []
     tau = np.broadcast_to(np.asarray(delays(vehicle, road)[-1], dtype=float), N)
@@ -149,8 +147,8 @@ def symmetric_variances(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Variances (outputs, N) of N designs by their halves, and which of them (N,) are left to matrices.
 
-    All are where left and right differ, a wheel sees no road, no damper reaches a wheel, or the delay is very long; and
-    each one is that may keep fewer than six digits here.
+    All are where no damper reaches a wheel, or the delay is very long; and each one is that may keep fewer than six
+    digits here.
     """
     parts, outputs = problems(halves, vehicle, road, N), vehicle.layout().outputs
     with np.errstate(all="ignore"):
@@ -158,17 +156,15 @@ def symmetric_variances(
         stuck = any(digits.undamped(part.struts).any() for part in parts)
         if not parts or stuck or max(walks)[0] > digits.LONGEST_WALK:
             return np.full((len(outputs), N), np.nan), np.ones(N, dtype=bool)
-        variances = _total(parts, walks, outputs, kernels)
+        variances = total(parts, walks, outputs, kernels)
         if not any(digits.extreme(part.struts, part.body.compliance, LIGHT) for part in parts):
             return variances, np.logical_or.reduce(np.isnan(variances))
-        other = _total([part.in_other_units() for part in parts], walks, outputs, kernels)
+        other = total([part.in_other_units() for part in parts], walks, outputs, kernels)
     return variances, digits.disagreement(variances, other, outputs, AGREED)
 
 
-def _total(parts: list[Problem], walks: list[tuple[int, int]], outputs: Outputs, kernels: Any) -> Array:
-    total = np.zeros((len(outputs), len(parts[0].tau)))
-    at = {name: i for i, name in enumerate(outputs.names)}
-    for part, walk in zip(parts, walks, strict=True):
-        for name, variance in part.variances(kernels, walk).items():
-            total[at[name]] += variance
-    return total
+def total(parts: Sequence[Any], walks: Sequence[Any], outputs: Outputs, kernels: Any) -> Array:
+    """Variances (outputs, N) of all parts together; what none of them moves has none."""
+    found = [part.variances(kernels, walk) for part, walk in zip(parts, walks, strict=True)]
+    still = np.zeros_like(next(iter(found[0].values())))
+    return np.array([sum((each[name] for each in found if name in each), still) for name in outputs.names])

@@ -23,13 +23,10 @@ from ..excitation import Process, integrated, processes
 from ..settings import Setting
 from .dual import Array, Dual
 from .first_order import Correlations, Spectrum
-from .lyapunov import Dynamics
+from .lyapunov import Dynamics, carried_over
 
 # So small that its square is nothing beside any parameter.
 STEP = 1e-30
-
-# A Taylor step of h with rate * h <= 1: 1 / 18! is below rounding.
-TAYLOR_TERMS = 18
 
 # A derivative of a transfer function that is smaller than this, relative to its terms, is zero.
 VANISHING = 1e-7
@@ -180,29 +177,14 @@ def _spectrum(road: Road, process: Process, width: Dual, ground: dict[str, Dual]
 def _carried(
     dynamics: Dynamics, A: Dual, tau: Dual, sources: Sequence[Dual], alphas: Sequence[Any]
 ) -> tuple[Dual, list[Dual]]:
-    """Carry the states over the delay, freely and under decaying forcing from each source, at rates of its own.
-
-    Returns ``E = e^(A tau)`` and, for each source b, ``f = int_0^tau e^(A (tau - s)) b e^(-alpha s) ds`` (N, 2n, J): by
-    Taylor over a short time h, then over twice the time and so on, ``E <- E^2`` and ``f <- E f + f e^(-alpha h)``.
-    """
-    size, ends = A.value.shape[-1], np.cumsum([0, *(each.shape[-1] for each in alphas)])
-    rates: Any = np.concatenate(alphas, axis=-1)[:, None, :]
+    """Carry the states over the delay, freely and under decaying forcing from each source, at rates of its own."""
+    ends = np.cumsum([0, *(each.shape[-1] for each in alphas)])
+    rates: Any = np.concatenate(alphas, axis=-1)
     forcing: Any = np.concatenate(
         [source + np.zeros(each.shape[-1]) for source, each in zip(sources, alphas, strict=True)], axis=-1
     )
-    reach = np.max(np.maximum(dynamics.fastest(), np.abs(rates.value).max(axis=(-2, -1), initial=0.0)) * tau.value)
-    doublings = max(0, int(np.ceil(np.log2(max(reach, 1.0)))))
-    h = tau[:, None, None] / 2.0**doublings
-
-    E = term = 0.0 * A + np.eye(size)
-    f = drift = 0.0 * forcing
-    for k in range(1, TAYLOR_TERMS + 1 if reach else 0):
-        term, drift = A @ term * (h / k), (A @ drift + forcing) * (h / k)
-        forcing = forcing * (rates * h / -k)
-        E, f = E + term, f + drift
-    for _ in range(doublings):
-        f = E @ f + f * np.exp(-(rates * h))
-        E, h = E @ E, 2.0 * h
+    reach = dynamics.reach(rates.value, tau.value)
+    E, f = carried_over(A, forcing, rates[:, None, :], tau[:, None, None], reach)
     return E, [f[:, :, first:last] for first, last in pairwise(ends)]
 
 

@@ -1,8 +1,9 @@
-"""Variances of a vehicle on struts whose sides differ: one problem on every process of the road."""
+"""Variances of more struts than two: one problem on all processes of the road, or one a half on its own."""
 
 from __future__ import annotations
 
-from itertools import combinations
+from collections.abc import Sequence
+from itertools import chain, combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from ..excitation import Process, delays, processes, steep
 from . import digits, struts
 from .polynomials import Array, Track
 from .struts import Chassis, Move
-from .symmetric import as_track, columns
+from .symmetric import as_track, columns, total
 
 # A delay is walked in steps in which no root turns by more than this many radians: a bound some half above the fastest,
 # of which a step of 20 keeps twelve digits.
@@ -46,12 +47,12 @@ class Stirred(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """Struts at the corners and ``seats`` that ``places`` name, on the road's processes, as arrays over N designs.
+    """Struts at the corners that ``places`` name, then ``seats``, on processes of the road, as arrays over N designs.
 
     ``points`` are the accelerations by name, each with its share of every coordinate of the body (B, N).
     """
 
-    places: tuple[str, ...]
+    places: tuple[tuple[str, ...], ...]
     chassis: Chassis
     points: dict[str, Array]
     excited: tuple[Stirred, ...]
@@ -82,11 +83,11 @@ class Problem(NamedTuple):
         loads = np.where(chassis.struts[:, 4] > 0.0, damped, chassis.struts[:, 3] ** 2 * tyres)
         accelerations = self._accelerations(body, self._largest(deflections, rates))
         out = dict(zip(self.points, accelerations, strict=True))
-        corners = self.places[: S - len(self.seats)]
         at_corners = {"sws": deflections, "dtl": loads, "sws_rate": rates, "tyre_deflection": tyres}
         for name, values in at_corners.items():
-            out |= {signal(name, corner): variance for corner, variance in zip(corners, values, strict=False)}
-        for i, seat in enumerate(self.seats, len(corners)):
+            for corners, variance in zip(self.places, values, strict=False):
+                out |= {signal(name, corner): variance for corner in corners}
+        for i, seat in enumerate(self.seats, len(self.places)):
             # The cushion's force is all that moves the rider, and deflection and rate do not correlate.
             mass, ks, cs, _, _ = chassis.struts[i]
             felt = (ks**2 * deflections[i] + cs**2 * rates[i]) / mass**2
@@ -151,64 +152,82 @@ class Problem(NamedTuple):
             stiffened[pair, 1] += 2.0 * bar
         return stiffened
 
+    def turns(self) -> dict[tuple[int, int], Array]:
+        """Radians (N,) of which no root turns more from axle to axle."""
+        stiffened, compliance = self.stiffened(), self.compliance()
+        return {pair: digits.turns(stiffened, compliance, tau) for pair, tau in self.delays.items()}
 
-def problem(whole: OnStruts, vehicle: RoadVehicle, road: Road, N: int) -> Problem:
-    """N designs of a vehicle on a road."""
+    def doubtful(self) -> bool:
+        """Whether digits have to be counted."""
+        return len(self.chassis.struts) > FEW or digits.extreme(self.stiffened(), self.compliance(), LIGHT)
 
+
+def problem(part: OnStruts, vehicle: RoadVehicle, road: Road, N: int, excited: Sequence[Process]) -> Problem:
+    """N designs of a vehicle, or of a half of it, on processes of a road."""
     width = np.broadcast_to(np.asarray(vehicle.track_width, dtype=float), N)
-    corners = list(whole.struts)
+    struts, wheels = list(part.struts), list(vehicle.wheels)
+    places = struts[: len(struts) - len(part.seats)]
+    under = [wheels.index(corners[-1]) for corners in places]
 
     def stirred(process: Process) -> Stirred:
         spectrum = colours(road, process.share, process.sign, width)
         axles = process.axles.tolist()
-        weights = np.pad(process.weights[axles], [(0, 0), (0, len(whole.seats))])
+        weights = np.pad(process.weights[np.ix_(axles, under)], [(0, 0), (0, len(part.seats))])
         return Stirred(axles, weights, steep(process, road), as_track(spectrum))
 
+    mounts = {
+        signal("bacc", corner): {name: mode.arms[i] for name, mode in part.body.items()}
+        for i, corners in enumerate(places)
+        for corner in corners
+    }
     return Problem(
-        places=tuple(name for (name,) in corners),
+        places=tuple(places),
         chassis=Chassis(
-            struts=np.stack([columns(N, strut) for strut in whole.struts.values()]),
-            pairs=np.array([[corners.index(corner) for corner in pair] for pair in whole.bars], int).reshape(-1, 2),
-            bars=columns(N, list(whole.bars.values())),
-            mobility=columns(N, [mode.mobility for mode in whole.body.values()]),
-            arms=np.stack([columns(N, mode.arms) for mode in whole.body.values()]),
+            struts=np.stack([columns(N, strut) for strut in part.struts.values()]),
+            pairs=np.array([[struts.index(corner) for corner in pair] for pair in part.bars], int).reshape(-1, 2),
+            bars=columns(N, list(part.bars.values())),
+            mobility=columns(N, [mode.mobility for mode in part.body.values()]),
+            arms=np.stack([columns(N, mode.arms) for mode in part.body.values()]),
         ),
         points={
-            name: columns(N, [shares.get(coordinate, 0.0) for coordinate in whole.body])
-            for name, shares in whole.points.items()
+            name: columns(N, [shares.get(coordinate, 0.0) for coordinate in part.body])
+            for name, shares in (mounts | part.points).items()
         },
-        excited=tuple(stirred(process) for process in processes(vehicle, road)),
+        excited=tuple(map(stirred, excited)),
         taus=columns(N, delays(vehicle, road)),
-        seats=whole.seats,
+        seats=part.seats,
     )
 
 
 def whole_variances(
-    whole: OnStruts, vehicle: RoadVehicle, road: Road, N: int, kernels: Any = struts
+    parts: Sequence[OnStruts], vehicle: RoadVehicle, road: Road, N: int, kernels: Any = struts
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Variances (outputs, N) of N designs by their struts, and which of them (N,) are left to matrices.
 
-    Those are whose delay is very long, whose wheels warp the road without bound or have no damper, whose damped tyres
-    pass on a velocity of finite variance, and which may keep fewer than six digits here.
+    ``parts`` are the vehicle whole, or its halves, each of which feels a process of its own. Left are those whose delay
+    is very long, whose wheels warp the road without bound or have no damper, whose damped tyres pass on a velocity of
+    finite variance, and which may keep fewer than six digits here.
     """
-    outputs, one = vehicle.layout().outputs, problem(whole, vehicle, road, N)
-    compliance, left, walks = one.compliance(), digits.undamped(one.chassis.struts), Walks()
+    outputs, excited = vehicle.layout().outputs, processes(vehicle, road)
+    felt = [excited] if len(parts) == 1 else [[process] for process in excited]
+    # On identical tracks the half difference of left and right is nothing.
+    problems = [problem(part, vehicle, road, N, own) for part, own in zip(parts, felt, strict=False)]
+    left = np.logical_or.reduce([digits.undamped(one.chassis.struts) for one in problems])
     with np.errstate(all="ignore"):
-        for pair, tau in one.delays.items():
-            turns = digits.turns(one.stiffened(), compliance, tau)
-            left |= turns > digits.LONGEST_WALK * REACH
-            walks[pair] = digits.walk(float(turns.max(where=~left, initial=1.0)), REACH)
-
-        def solved(problem: Problem) -> Array:
-            found = problem.variances(kernels, walks)
-            return np.array([found[name] for name in outputs.names])
-
-        doubtful = len(one.places) > FEW or digits.extreme(one.stiffened(), compliance, LIGHT)
-        variances = solved(one.beside(one.in_other_units()) if doubtful else one)
+        turns = [one.turns() for one in problems]
+        for radians in chain.from_iterable(each.values() for each in turns):
+            left |= radians > digits.LONGEST_WALK * REACH
+        walks = [
+            {pair: digits.walk(float(each[pair].max(where=~left, initial=1.0)), REACH) for pair in each}
+            for each in turns
+        ]
+        doubtful = any(one.doubtful() for one in problems)
+        asked = [one.beside(one.in_other_units()) if doubtful else one for one in problems]
+        variances = total(asked, walks, outputs, kernels)
         if doubtful:
             variances, other = np.hsplit(variances, 2)
             left |= digits.disagreement(variances, other, outputs, AGREED)
         left |= np.isnan(variances).any(axis=0)
         if road.velocity_is_bounded:
-            left |= one.chassis.struts[:, 4].any(axis=0)
+            left |= np.logical_or.reduce([one.chassis.struts[:, 4].any(axis=0) for one in problems])
     return variances, left
