@@ -51,7 +51,7 @@ function unforgotten(z) {
 
 // x of A x = b by elimination with row pivots, complex numbers as re, im, re, im, ..; rows of A, which are overwritten,
 // have theirs of b last.
-function solved(rows) {
+function eliminated(rows) {
   const n = rows.length;
   for (let k = 0; k < 2 * n; k += 2) {
     let pivot = k / 2, most = -1;

@@ -124,7 +124,7 @@ class Passing {
   }
 }
 
-// Covariances of modes' amplitudes, real parts before imaginary ones, and of integrals behind these.
+// Covariances of the real parts of modes' amplitudes, of their imaginary parts and of the integrals, in this order.
 class Moments {
   constructor(rates, integrals) {
     const n = rates.length, size = 2 * n + integrals;
@@ -147,7 +147,7 @@ class Moments {
     own.forEach((row, k) => row.forEach((one, l) => (R[2 * n + k][2 * n + l] += one)));
   }
 
-  // All of them, by Lyapunov's equation for each two modes, once for the second as it is and once for its conjugate.
+  // All of them, by Lyapunov's equation for each two modes, of the second as it is and of its conjugate.
   settled() {
     const { n, rates, moved, R } = this;
     const put = (k, l, value) => (R[k][l] = R[l][k] = 0.5 * value);

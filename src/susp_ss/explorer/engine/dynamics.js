@@ -3,7 +3,7 @@
 // p' = v + ..., v' = -K p - C v + ..., K and C symmetric; vectors hold the positions before the velocities, `shapes` are
 // those of the positions.
 class Dynamics extends Modes {
-  // Of motions that may fall apart into some that know nothing of one another; `near` are those of a C that is little else.
+  // Motions that may fall apart into some that know nothing of one another; `near` are those of a C that is little else.
   static of(K, C, near = null) {
     const met = (M, i, j) => Math.abs(M[i][j]) > ROUNDING * Math.sqrt(Math.abs(M[i][i] * M[j][j]));
     const parts = coupled(K.map((row, i) => row.map((_, j) => Number(met(K, i, j) || met(C, i, j)))));
@@ -27,7 +27,7 @@ class Dynamics extends Modes {
     this.eigenpairs = this.followed(near) ?? this.fresh();
     this.turn(this.eigenpairs.map(({ rate }) => scaled(rate, unit)));
     this.shapes = this.eigenpairs.map(({ x }) => {
-      const shape = this.K.map((_, i) => complex(x[2 * i], x[2 * i + 1])), most = ROUNDING * Math.max(...shape.map(modulus));
+      const shape = K.map((_, i) => complex(x[2 * i], x[2 * i + 1])), most = ROUNDING * Math.max(...shape.map(modulus));
       return shape.map((one) => (modulus(one) > most ? one : complex(0)));
     });
     this.invert(unit);
@@ -106,7 +106,7 @@ class Dynamics extends Modes {
         row.push(slope.re, slope.im);
         rows.push(row);
       }
-      x = solved(rows);
+      x = eliminated(rows);
       const size = 1 / Math.sqrt(dot(x, x));
       for (let i = 0; i < 2 * n; i++) x[i] *= size;
       rate = this.corrected(rate, x);
@@ -119,7 +119,8 @@ class Dynamics extends Modes {
     const { n, K, C } = this, m = complex(0), c = complex(0), k = complex(0);
     for (let i = 0; i < n; i++) {
       for (let j = 0; j < n; j++) {
-        const re = x[2 * i] * x[2 * j] - x[2 * i + 1] * x[2 * j + 1], im = x[2 * i] * x[2 * j + 1] + x[2 * i + 1] * x[2 * j];
+        const re = x[2 * i] * x[2 * j] - x[2 * i + 1] * x[2 * j + 1];
+        const im = x[2 * i] * x[2 * j + 1] + x[2 * i + 1] * x[2 * j];
         c.re += C[i][j] * re;
         c.im += C[i][j] * im;
         k.re += K[i][j] * re;
@@ -138,9 +139,9 @@ class Dynamics extends Modes {
 // Motions that know nothing of one another, as those of a car's two halves, each of its own rows of all n positions.
 class Apart extends Modes {
   constructor(n, parts) {
-    const both = (rows) => [...rows, ...rows.map((i) => n + i)];
-    super(parts.flatMap(({ own }) => own.rates), parts.flatMap(({ own, rows }) => own.W.map((one) => among(2 * n, both(rows), one))));
-    this.shapes = parts.flatMap(({ own, rows }) => own.shapes.map((one) => among(n, rows, one)));
+    const each = (of) => parts.flatMap(({ own, rows }) => of(own, rows, [...rows, ...rows.map((i) => n + i)]));
+    super(each(({ rates }) => rates), each(({ W }, _, both) => W.map((one) => among(2 * n, both, one))));
+    this.shapes = each(({ shapes }, rows) => shapes.map((one) => among(n, rows, one)));
     this.parts = parts;
   }
 }

@@ -49,7 +49,7 @@ function balance(A) {
   return scales;
 }
 
-// H = Z^T A Z, of nothing below the first subdiagonal; H becomes it, and Z, of as many rows as are asked for, turns along.
+// H becomes Z^T H Z, of nothing below the first subdiagonal; Z, of as many rows as are asked for, turns along.
 function reflected(H, Z) {
   const n = H.length;
   for (let k = 0; k < n - 2; k++) {
@@ -146,8 +146,7 @@ function ratesOf(A) {
   schur(A, []);
   const rates = [];
   for (let i = 0; i < A.length; i++) {
-    const last = i + 1 === A.length || A[i + 1][i] === 0;
-    if (last) rates.push(complex(A[i][i]));
+    if (i + 1 === A.length || A[i + 1][i] === 0) rates.push(complex(A[i][i]));
     else {
       const half = 0.5 * (A[i][i] - A[i + 1][i + 1]), middle = complex(A[i][i] - half);
       const away = root(complex(half * half + A[i][i + 1] * A[i + 1][i]));
