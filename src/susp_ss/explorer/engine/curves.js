@@ -56,7 +56,7 @@ function damper(cs, { rebound, compression, knee, beyond }) {
 }
 
 // So many cars of other speeds tell how powers change, each of which counts less than so many times.
-const NEAR = 4, FAR = 10;
+const NEAR = 3, FAR = 10;
 
 // The car of numbers that stands for one of curves on a road, and how far its dampers pump it.
 class StraightCar extends Car {
