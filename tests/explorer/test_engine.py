@@ -150,6 +150,18 @@ def test_curves_that_are_straight_are_none(ask):
         agree(found[part], expected[part], 1e-9, 1e-12)
 
 
+def test_dampers_whose_motions_cease_to_swing_as_speed_falls(ask):
+    """Modes that follow those of another speed must tell where they no longer can."""
+    state = changed("quarter", cs=5200.0)
+    state |= {"curve": {"rebound": 1.3, "compression": 0.7, "knee": 0.1, "beyond": 0.5}}
+    swinging = [compute(state | {"road": state["road"] | {"speed": speed}})["modes"] for speed in (4.0, 60.0)]
+    assert len(swinging[0]) != len(swinging[1])
+    (found,) = ask("compute", [state])
+    expected = compute(state)
+    shapes(found, expected)
+    agree(found, expected, 1e-9, 1e-11)
+
+
 def test_the_carpet_of_curves(ask):
     state = changed("quarter") | {"curve": {"rebound": 1.4, "compression": 0.8, "knee": 0.1, "beyond": 0.4}}
     (found,) = ask("background", [state])

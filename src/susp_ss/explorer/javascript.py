@@ -44,7 +44,7 @@ from .symbols import Lines
 from .table import DESIGN, Choice, Number
 
 SOURCES = (
-    *("algebra.js", "complex.js", "modes.js", "eigen.js", "covariance.js"),
+    *("algebra.js", "complex.js", "modes.js", "eigen.js", "dynamics.js", "covariance.js"),
     *("ride.js", "moving.js", "motion.js", "forms.js", "curves.js", "answers.js"),
     *("descent.js", "front.js", "decay.js", "passage.js", "shaping.js", "preview.js", "bound.js"),
     *("background.js", "zip.js", "fmu.js", "files.js"),

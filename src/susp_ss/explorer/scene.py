@@ -130,22 +130,30 @@ def _ridden(scene: Scene, speeds: Array) -> Ride:
 
 def _linear(scenes: Sequence[Scene], speeds: Array) -> list[Ride]:
     """Rides of vehicles of one kind on one road."""
-    count, road = 1 + len(speeds), scenes[0].road
-    along = np.concatenate([[road.speed], speeds, [road.speed] * len(FELT)])
-    filters = [None] * count + [filter_of(name, "") for name in FELT]
-    vehicle = _in_a_row([scene.vehicle for scene in scenes], len(along))
-    ground = dataclasses.replace(road, speed=np.tile(along, len(scenes))).weighted(EachDesign(filters * len(scenes)))
+    ground = _course(scenes[0].road, speeds, len(scenes))
+    vehicle = _in_a_row([scene.vehicle for scene in scenes], len(ground.speed) // len(scenes))
     space, car, ground = spanned(vehicle, ground)
     variances = covariance_variances(car, space, ground)
-    powers = dissipated(car, variances)
-    rides = []
-    for scene, own, power in zip(scenes, *(np.split(x, len(scenes)) for x in (variances, powers)), strict=True):
-        felt, outputs = own[count:], scene.vehicle.layout().outputs
-        if not all(np.isfinite(felt[:, outputs.of(name)]).all() for name in AXES if name in outputs.quantities):
-            # Beside roads that no filter stands on, what passes on their velocity counts as infinite.
-            felt = _felt(scene.vehicle, road)
-        rides.append(Ride(Moments(own[:count], power=power[:count]), felt, scene.vehicle))
-    return rides
+    parts = (np.split(x, len(scenes)) for x in (variances, dissipated(car, variances)))
+    return [_ride(scene, own, powers, scene.vehicle) for scene, own, powers in zip(scenes, *parts, strict=True)]
+
+
+def _course(road: Road, speeds: Array, times: int = 1) -> Road:
+    """A road at its own speed, at further ones, and at its own through each of `FELT`; all that so many times."""
+    along = np.concatenate([[road.speed], speeds, [road.speed] * len(FELT)])
+    filters = [None] * (1 + len(speeds)) + [filter_of(name, "") for name in FELT]
+    return dataclasses.replace(road, speed=np.tile(along, times)).weighted(EachDesign(filters * times))
+
+
+def _ride(scene: Scene, variances: Array, powers: Array, straight: Any, shift: Array | None = None) -> Ride:
+    """What was found along a `_course`."""
+    count, outputs = len(variances) - len(FELT), scene.vehicle.layout().outputs
+    felt = variances[count:]
+    if not all(np.isfinite(felt[:, outputs.of(name)]).all() for name in AXES if name in outputs.quantities):
+        # Beside roads that no filter stands on, what passes on their velocity counts as infinite.
+        felt = _felt(straight, scene.road)
+    moments = Moments(variances[:count], power=powers[:count], shift=None if shift is None else shift[:count])
+    return Ride(moments, felt, straight)
 
 
 def _in_a_row(vehicles: Sequence[Any], times: int) -> Any:
@@ -168,12 +176,11 @@ def _in_a_row(vehicles: Sequence[Any], times: int) -> Any:
 
 def _curved(scene: Scene, speeds: Array) -> Ride:
     """The same with what stands for the curves at each speed."""
-    along = np.append(scene.road.speed, speeds)
-    space, car, ground = spanned(scene.vehicle, dataclasses.replace(scene.road, speed=along))
-    found = linearise(car, space, ground)
-    moments = Moments(found.variances, power=dissipated(found.vehicle, found.variances), shift=found.shift)
+    space, car, ground = spanned(scene.vehicle, _course(scene.road, speeds))
+    every = np.arange(space.size)
+    found = linearise(car, space, ground, leaders=np.where(every < space.size - len(FELT), every, 0))
     straight = found.vehicle.mapped(lambda x: float(x[0]) if isinstance(x, np.ndarray) else x)
-    return Ride(moments, _felt(straight, scene.road), straight)
+    return _ride(scene, found.variances, dissipated(found.vehicle, found.variances), straight, found.shift)
 
 
 def _felt(vehicle: Any, road: Road) -> Array:

@@ -190,9 +190,10 @@ class EachDesign:
         self.filters = tuple(filters)
         self.strictly_proper = all(one is not None and one.strictly_proper for one in self.filters)
 
-    def select(self, designs: slice | NDArray[np.int_]) -> EachDesign:
-        """Those of some of the designs."""
-        return EachDesign([self.filters[i] for i in np.arange(len(self.filters))[designs]])
+    def select(self, designs: slice | NDArray[np.int_]) -> EachDesign | None:
+        """Those of some of the designs; None where none has any."""
+        some = [self.filters[i] for i in np.arange(len(self.filters))[designs]]
+        return EachDesign(some) if any(some) else None
 
     @cached_property
     def colours(self) -> Colours:

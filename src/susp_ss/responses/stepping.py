@@ -36,21 +36,28 @@ class History(NamedTuple):
 
 
 class Bends(NamedTuple):
-    """What curves push more than numbers in their place: ``slopes m + on_bends s(m) - at_rest`` of motions m (q, ...).
+    """What curves push more than numbers in their place: ``slopes m + on_bends s(along m - kinks) - at_rest``.
 
-    ``s`` are whatever the `bend` makes of the motions: of straight pieces how far each is beyond the kinks.
+    Of motions m (q, ...) along one curve each; ``s`` is whatever the `bend` makes of them: the modulus of how far each
+    is beyond a kink, of which straight pieces are sums, or the whole of a force that is not.
     """
 
     bend: Callable[[Array], Array]
+    along: Array
+    kinks: Array
     slopes: Array
     on_bends: Array
     at_rest: Array
 
     def push(self, motion: Array) -> Array:
         """Forces (q, ...)."""
-        many = (-1,) + (1,) * (motion.ndim - 1)
-        straight = self.slopes.reshape(many) * motion - self.at_rest.reshape(many)
-        return np.asarray(straight + np.tensordot(self.on_bends, self.bend(motion), axes=1))
+
+        def alongside(values: Array) -> Array:
+            return values.reshape(-1, *[1] * (motion.ndim - 1))
+
+        bent = self.bend(np.tensordot(self.along, motion, axes=1) - alongside(self.kinks))
+        straight = alongside(self.slopes) * motion - alongside(self.at_rest)
+        return np.asarray(straight + np.tensordot(self.on_bends, bent, axes=1))
 
 
 class Stepper:
@@ -100,7 +107,7 @@ class Stepper:
     def drive(self, z: Array, x: Array) -> History:
         """Drive over heights z (inputs, T, ...) from states x (2n, ...)."""
         linear, on_heights, on_bends = self._ahead()
-        many, bend = len(self.seen), self.bends.bend
+        many, bend = len(self.bends.kinks), self.bends.bend
         steps = np.concatenate([z[:, :-1], np.diff(z, axis=1), np.ones_like(z[:1, :-1])])
         by_heights = np.moveaxis(np.tensordot(on_heights, steps, axes=1), 1, 0)
         states = np.empty((z.shape[1], *x.shape))
@@ -122,16 +129,16 @@ class Stepper:
         return History(y, np.stack(damping))
 
     def _ahead(self) -> tuple[Array, Array, list[Array]]:
-        """What a step comes to: motions along curves at its start, twice in its middle and at its end, then the state.
+        """What a step comes to: what bends at its start, twice in its middle and at its end, then the state.
 
-        By the state at its start, by heights there, their rise and one, and by the bends of each of these motions, on
-        all that comes after.
+        By the state at its start, by heights there, their rise and one, and by each of these bends, on all that comes
+        after.
         """
         whole, half = (held(self.A, np.concatenate([self.B, self.P], axis=1), h, 3) for h in (self.h, 0.5 * self.h))
         wheels, E, D = len(self.B.T), self.Y[self.seen], self.D[self.seen]
         free, (hold, ramp, bend) = half[0], (gain[:, wheels:] for gain in whole[1:])
         level, rising, half_hold = half[1][:, :wheels], 0.5 * half[2][:, :wheels], half[1][:, wheels:]
-        slopes, on_bends, at_rest = self.bends[1:]
+        _, along, kinks, slopes, on_bends, at_rest = self.bends
 
         # Everything as rows by what it is linear in.
         sizes = np.cumsum([len(free), wheels, wheels, 1, *[on_bends.shape[1]] * 4])
@@ -157,8 +164,10 @@ class Stepper:
         motions.append(seen(end + free @ half_hold @ u + half_hold @ (2.0 * u_b - u), z + rise))
         u_c = push(motions[3], bent[3])
         after = (hold - 3.0 * ramp + 2.0 * bend) @ u + 2.0 * (ramp - bend) @ (u_a + u_b) + (2.0 * bend - ramp) @ u_c
-        linear, on_heights, *on_bent = np.split(np.concatenate([*motions, end + after]), sizes[[0, *range(3, 7)]], 1)
-        return linear, on_heights, [part[(i + 1) * len(E) :].copy() for i, part in enumerate(on_bent)]
+        at_bends = [along @ motion - kinks[:, None] * one for motion in motions]
+        parts = np.split(np.concatenate([*at_bends, end + after]), sizes[[0, *range(3, 7)]], 1)
+        linear, on_heights, *on_bent = map(np.ascontiguousarray, parts)
+        return linear, on_heights, [part[(i + 1) * len(along) :] for i, part in enumerate(on_bent)]
 
 
 def _bends(curves: list[tuple[Curve, Any]]) -> Bends:
@@ -174,20 +183,15 @@ def _bends(curves: list[tuple[Curve, Any]]) -> Bends:
                 u[at] = curve.force(motion[at]) - number * motion[at]
             return u
 
-        return Bends(push, np.zeros(many), np.eye(many), np.zeros(many))
-    kinks = np.full((max(len(law.kinks) for law in laws), many), np.inf)
-    rises, slopes = np.zeros_like(kinks), np.empty(many)
-    for i, (law, (curve, number)) in enumerate(zip(laws, curves, strict=True)):
-        own, bends = np.concatenate([np.ravel(curve.factor * x) for x in law.slopes]), len(law.kinks)
-        kinks[:bends, i], rises[:bends, i] = np.ravel([*map(np.squeeze, law.kinks)]), np.diff(own)
-        slopes[i] = np.squeeze(own[0] - number)
-
-    def beyond(motion: Array) -> Array:
-        over = motion - (kinks if motion.ndim == 1 else kinks.reshape(*kinks.shape, *[1] * (motion.ndim - 1)))
-        return np.maximum(over, 0.0, out=over).reshape(-1, *motion.shape[1:])
-
-    on_bends = (np.eye(many)[:, None] * rises).reshape(many, -1)
-    return Bends(beyond, slopes, on_bends, (rises * np.maximum(-kinks, 0.0)).sum(axis=0))
+        return Bends(push, np.eye(many), np.zeros(many), np.zeros(many), np.eye(many), np.zeros(many))
+    numbers = np.concatenate([np.ravel(number) for _, number in curves])
+    factors = (curve.factor for curve, _ in curves)
+    slopes = [np.concatenate([np.ravel(f * x) for x in law.slopes]) for f, law in zip(factors, laws, strict=True)]
+    along = np.repeat(np.eye(many), [len(law.kinks) for law in laws], axis=0)
+    kinks = np.ravel([np.squeeze(kink) for law in laws for kink in law.kinks])
+    on_bends = 0.5 * along.T * np.concatenate([*map(np.diff, slopes)])
+    between = np.array([0.5 * (each[0] + each[-1]) for each in slopes]) - numbers
+    return Bends(np.abs, along, kinks, between, on_bends, on_bends @ np.abs(kinks))
 
 
 def _grouped(curves: list[tuple[Curve, Any]]) -> list[tuple[Any, Curve, Any]]:

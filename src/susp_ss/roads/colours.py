@@ -74,6 +74,10 @@ def colours(road: Road, share: float, sign: int, track_width: Any) -> Colours:
 
 def product(one: Colours, other: Colours) -> Colours:
     """The product of two spectra, by partial fractions: each term times the other spectrum at its own pole."""
+    for constant, terms in ((one, other), (other, one)):
+        if not _plain(constant.alphas).size:
+            scale = constant.level
+            return Colours(scale * terms.level, terms.alphas, scale * terms.low, scale * terms.high)
     one = one._replace(alphas=_apart(one.alphas, other.alphas))
     at_one, at_other = _at_poles(other, one.alphas), _at_poles(one, other.alphas)
     alphas, low, high = (

@@ -8,8 +8,11 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import susp_ss as ss
+from susp_ss.metrics.weightings import filter_of
 from susp_ss.responses.covariance.linearisation import linearise
+from susp_ss.responses.covariance.routes import covariance_variances
 from susp_ss.responses.excitation import spanned
+from susp_ss.responses.filters import EachDesign
 from susp_ss.vehicles.curves import DamperCurve, SpringCurve
 from susp_ss.vehicles.laws import Means
 
@@ -157,7 +160,8 @@ def test_a_damper_on_a_wheel_alone_has_an_exact_density(law, gap):
 @given(seed=st.integers(0, 10**6))
 @settings(max_examples=3)
 def test_a_batch_is_its_designs_and_settles_soon(seed):
-    rng, N = np.random.default_rng(seed), 40
+    """The batch by Broyden's updates, each alone by Newton's steps."""
+    rng, N = np.random.default_rng(seed), 60
     car = ss.FullCar(
         cs=ss.Corners.axles(
             front=ss.DamperCurve.digressive(
@@ -181,6 +185,51 @@ def test_a_batch_is_its_designs_and_settles_soon(seed):
         alone = ss.ride_metrics(flat.select(np.array([i])), ground.select(np.array([i])))
         for name, data in alone.items():
             np.testing.assert_allclose(metrics[name].isel(design=i), data.isel(design=0), rtol=1e-8)
+
+
+@given(seed=st.integers(0, 10**6))
+@settings(max_examples=6)
+def test_far_from_linear_cars_settle_where_their_curves_say(seed):
+    """Slopes of rebound and bump decades apart, dampers all but locked or all but gone, stops that are hit hard."""
+    rng, N = np.random.default_rng(seed), 8
+
+    def between(low, high):
+        return np.exp(rng.uniform(np.log(low), np.log(high), N))
+
+    front = ss.DamperCurve.digressive(between(50.0, 2e4), between(50.0, 2e4), between(0.005, 0.5), rng.uniform(0, 1, N))
+    rear = ss.DamperCurve.two_slopes(between(20.0, 5e4), between(20.0, 5e4))
+    stops = ss.SpringCurve.with_stops(between(8e3, 4e4), between(5e4, 1e6), between(0.005, 0.06), between(0.005, 0.06))
+    cars = [
+        ss.FullCar(cs=ss.Corners.axles(front=front, rear=rear), ks=stops, mb=between(700.0, 2500.0), arb_front=1e4),
+        ss.FullCar(cs=ss.Corners(fr=front, fl=rear, rr=0.3 * rear, rl=1500.0), mb=between(700.0, 2500.0)),
+    ]
+    for car in cars:
+        road = ss.Road.iso8608("ABCDEFGH"[seed % 8], speed=rng.uniform(3.0, 60.0, N), tracks="isotropic")
+        space, flat, ground = spanned(car, road)
+        found = linearise(flat, space, ground)
+        assert found.rounds.max() <= 25
+        variances = covariance_variances(found.vehicle, space, ground)
+        np.testing.assert_allclose(found.variances, variances, rtol=1e-7)
+        rates = np.sqrt(variances[:, flat.layout().outputs.of("sws_rate")]).T
+        curves, numbers = flat.at_wheels("cs"), found.vehicle.at_wheels("cs")
+        for curve, number, sigma in zip(curves, numbers, rates, strict=True):
+            if isinstance(curve, DamperCurve):
+                np.testing.assert_allclose(number, curve.means(sigma).slope, rtol=1e-8)
+
+
+@pytest.mark.parametrize("car", [CARS["full"], ss.QuarterCar(cs=TWO)], ids=["in rounds", "at once"])
+@pytest.mark.parametrize("many", [1, 400])
+def test_through_a_weighting_a_car_is_what_it_is_on_the_road_itself(car, many):
+    weighting = EachDesign([None] * many + [filter_of("Wk", "")])
+    road = ss.Road.iso8608("C", speed=np.append(np.linspace(20.0, 30.0, many), 20.0))
+    space, flat, ground = spanned(car, road.weighted(weighting))
+    found = linearise(flat, space, ground, leaders=np.append(np.arange(many), 0))
+    alone = ss.ride_metrics(car, ss.Road.iso8608("C", speed=20.0))
+    weighted = ss.ride_metrics(car, ss.Road.iso8608("C", speed=20.0), weighting={"bacc": "Wk"})
+    bacc = np.sqrt(found.variances[:, flat.layout().outputs.of("bacc")])
+    np.testing.assert_allclose(bacc[0], np.ravel(alone.bacc), rtol=1e-9)
+    np.testing.assert_allclose(bacc[-1], np.ravel(weighted.bacc), rtol=1e-9)
+    assert found.shift[-1].tolist() == found.shift[0].tolist()
 
 
 def test_a_sweep_keeps_its_labels_and_a_linear_car_is_itself():

@@ -60,7 +60,7 @@ def test_a_long_sweep_is_each_of_its_designs():
         )
 
 
-@pytest.mark.parametrize("alphas", [[], [0.5, 5.0, 80.0], [3.0 + 4.0j, 200.0 - 9.0j]])
+@pytest.mark.parametrize("alphas", [[], [900.0, 0.5, 5.0, 80.0], [3.0 + 4.0j, 200.0 - 9.0j]])
 def test_what_a_delay_carries(alphas):
     # Its first mode is as fast as a colour: (s + 5) (s + 80).
     K, C = np.diag([400.0, 90.0]), np.array([[85.0, 2.0], [0.0, 3.0]])

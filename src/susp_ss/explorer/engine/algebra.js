@@ -2,13 +2,17 @@
 
 // Rows are plain arrays, of which engines of JavaScript make many small ones faster than of typed ones.
 function zeros(rows, columns) {
-  const out = [];
-  for (let i = 0; i < rows; i++) {
-    const row = [];
-    for (let j = 0; j < columns; j++) row.push(0.5); // What holds a fraction once is kept as one of doubles.
-    out.push(row.fill(0));
-  }
+  const row = [], out = [];
+  for (let j = 0; j < columns; j++) row.push(0.5); // What holds a fraction once is kept as one of doubles.
+  row.fill(0);
+  for (let i = 0; i < rows; i++) out.push(row.slice());
   return out;
+}
+
+// What a map holds under a key, made when it is asked for first.
+function kept(map, key, make) {
+  if (!map.has(key)) map.set(key, make());
+  return map.get(key);
 }
 
 const sum = (x) => x.reduce((total, one) => total + one, 0);
@@ -29,6 +33,19 @@ function times(A, x) {
   const out = [];
   for (let i = 0; i < A.length; i++) out.push(dot(A[i], x));
   return out;
+}
+
+// x^T A x of a symmetric A, by what is not above its diagonal.
+function quadratic(x, A) {
+  let total = 0;
+  for (let i = 0; i < x.length; i++) {
+    if (x[i] === 0) continue;
+    const row = A[i];
+    let half = 0;
+    for (let j = 0; j < i; j++) half += row[j] * x[j];
+    total += x[i] * (2 * half + row[i] * x[i]);
+  }
+  return total;
 }
 
 // to += factor * x.
@@ -97,6 +114,30 @@ function inverted(A) {
     add(x, once(rest), 1);
     return x;
   };
+}
+
+// A^-1 by elimination with row pivots, and the logarithm of |det A|.
+function inverse(A) {
+  const n = A.length, left = zeros(n, 2 * n);
+  A.forEach((row, i) => {
+    row.forEach((one, j) => (left[i][j] = one));
+    left[i][n + i] = 1;
+  });
+  let size = 0;
+  for (let k = 0; k < n; k++) {
+    let pivot = k;
+    for (let i = k + 1; i < n; i++) if (Math.abs(left[i][k]) > Math.abs(left[pivot][k])) pivot = i;
+    [left[k], left[pivot]] = [left[pivot], left[k]];
+    const top = left[k], by = top[k];
+    size += Math.log(Math.abs(by));
+    for (let j = k; j < 2 * n; j++) top[j] /= by;
+    for (let i = 0; i < n; i++) {
+      const row = left[i], factor = row[k];
+      if (i === k || factor === 0) continue;
+      for (let j = k; j < 2 * n; j++) row[j] -= factor * top[j];
+    }
+  }
+  return { of: left.map((row) => row.slice(n)), size };
 }
 
 // A^-1 B.

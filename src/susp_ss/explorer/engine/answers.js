@@ -61,8 +61,9 @@ function overFrequency(car, road, outputs) {
     const phase = unwrapped(H.map(({ re, im }) => Math.atan2(im, re)));
     return { output, unit: unit.bode, input: car.inputs[input], magnitude: H.map(modulus), phase };
   });
-  const psd = outputs.map((output) => {
-    const { row, unit, weighting } = car.outputs[output], S = spectrum(car, row, road, FREQUENCIES);
+  const found = spectra(car, outputs.map((output) => car.outputs[output].row), road, FREQUENCIES);
+  const psd = outputs.map((output, at) => {
+    const { unit, weighting } = car.outputs[output], S = found[at];
     const weighted = weighting && S.map((one, i) => one * FILTERS[weighting].power[i]);
     return { output, unit: unit.psd, psd: S, weighting, weighted };
   });

@@ -49,27 +49,40 @@ function unforgotten(z) {
   return total;
 }
 
-// Solve A X = B by elimination with row pivots, in place: B becomes X.
-function solve(A, B) {
-  const n = A.length;
-  const less = (row, other, factor, first) => {
-    for (let j = first; j < row.length; j++) row[j] = minus(row[j], product(factor, other[j]));
-  };
-  for (let k = 0; k < n; k++) {
-    let pivot = k;
-    for (let i = k + 1; i < n; i++) if (power(A[i][k]) > power(A[pivot][k])) pivot = i;
-    for (const M of [A, B]) [M[k], M[pivot]] = [M[pivot], M[k]];
-    for (let i = k + 1; i < n; i++) {
-      const factor = quotient(A[i][k], A[k][k]);
-      less(A[i], A[k], factor, k + 1);
-      less(B[i], B[k], factor, 0);
+// x of A x = b by elimination with row pivots, complex numbers as re, im, re, im, ..; rows of A, which are overwritten,
+// have theirs of b last.
+function eliminated(rows) {
+  const n = rows.length;
+  for (let k = 0; k < 2 * n; k += 2) {
+    let pivot = k / 2, most = -1;
+    for (let i = pivot; i < n; i++) {
+      const size = rows[i][k] * rows[i][k] + rows[i][k + 1] * rows[i][k + 1];
+      if (size > most) [most, pivot] = [size, i];
+    }
+    const top = rows[pivot], re = top[k] / most, im = -top[k + 1] / most;
+    rows[pivot] = rows[k / 2];
+    rows[k / 2] = top;
+    for (let i = k / 2 + 1; i < n; i++) {
+      const row = rows[i], a = row[k] * re - row[k + 1] * im, b = row[k] * im + row[k + 1] * re;
+      if (a === 0 && b === 0) continue;
+      for (let j = k + 2; j <= 2 * n; j += 2) {
+        row[j] -= a * top[j] - b * top[j + 1];
+        row[j + 1] -= a * top[j + 1] + b * top[j];
+      }
     }
   }
-  for (let k = n - 1; k >= 0; k--) {
-    for (let j = 0; j < B[k].length; j++) B[k][j] = quotient(B[k][j], A[k][k]);
-    for (let i = 0; i < k; i++) less(B[i], B[k], A[i][k], 0);
+  const [x] = zeros(1, 2 * n);
+  for (let k = 2 * n - 2; k >= 0; k -= 2) {
+    const row = rows[k / 2], size = row[k] * row[k] + row[k + 1] * row[k + 1];
+    let re = row[2 * n], im = row[2 * n + 1];
+    for (let j = k + 2; j < 2 * n; j += 2) {
+      re -= row[j] * x[j] - row[j + 1] * x[j + 1];
+      im -= row[j] * x[j + 1] + row[j + 1] * x[j];
+    }
+    x[k] = (re * row[k] + im * row[k + 1]) / size;
+    x[k + 1] = (im * row[k] - re * row[k + 1]) / size;
   }
-  return B;
+  return x;
 }
 
 const EPSILON = 2 ** -52;

@@ -56,13 +56,13 @@ function damper(cs, { rebound, compression, knee, beyond }) {
 }
 
 // So many cars of other speeds tell how powers change, each of which counts less than so many times.
-const NEAR = 4, FAR = 10;
+const NEAR = 3, FAR = 10;
 
 // The car of numbers that stands for one of curves on a road, and how far its dampers pump it.
 class StraightCar extends Car {
-  constructor(curved, rates) {
+  constructor(curved, rates, like = curved) {
     const dampers = Object.fromEntries(curved.dampers.map((name, i) => [name, rates[i]]));
-    super(curved.model, { ...curved.parameters, ...dampers });
+    super(curved.model, { ...curved.parameters, ...dampers }, like);
     this.settled = true;
   }
 
@@ -88,6 +88,7 @@ class CurvedCar extends Ride {
   constructor(model, parameters, curve) {
     super(model, parameters);
     this.measured = [...this.measured, ...this.shifts];
+    this.frame = frameOf(this);
     this.dampers = this.corners.map((corner) => (corner ? `cs_${corner}` : "cs"));
     this.laws = this.dampers.map((name) => damper(parameters[name], curve));
     this.first = this.laws.map((law) => law.means(CURVE.middling).slope);
@@ -104,19 +105,15 @@ class CurvedCar extends Ride {
     return bumpOfCurves(this, asked);
   }
 
-  // The car of numbers that logarithms x of the dampers' powers make.
-  trial(x) {
+  // The car of numbers that logarithms x of the dampers' powers make, which is little else than one before.
+  trial(x, before = null) {
     const means = this.laws.map((law, i) => law.means(law.deviation(Math.exp(x[i]))));
-    const car = new StraightCar(this, means.map(({ slope }) => slope)), watched = Object.create(car);
-    for (const name of ["seen", "on_road_velocity", "on_integrators"]) {
-      watched[name] = this.velocities.map((row) => car[name][row]);
-    }
-    return { x, means, car, watched };
+    return { x, means, car: new StraightCar(this, means.map(({ slope }) => slope), before?.car) };
   }
 
-  // By how much its powers on a road are other than these.
-  residual({ x, means, watched }, road) {
-    return Float64Array.from(watched.variances(road), (variance, i) =>
+  // By how much its powers are other than these, of what passes.
+  residual({ x, means, car }, passing) {
+    return car.variancesOf(this.velocities, passing).map((variance, i) =>
       Math.log(means[i].slope * Math.max(variance, CURVE.still)) - x[i]);
   }
 
@@ -126,11 +123,11 @@ class CurvedCar extends Ride {
     const far = ({ speed }) => Math.abs(Math.log(speed / road.speed));
     const near = [...this.settled].sort((one, other) => far(other) - far(one)).slice(-NEAR);
     if (near.length && far(near.at(-1)) === 0) return near.at(-1).car;
-    const inverse = this.inverse.map((row) => Float64Array.from(row));
+    const inverse = this.inverse.map((row) => Float64Array.from(row)), passing = this.passing(road);
     const less = (x, y) => Float64Array.from(x, (one, i) => one - y[i]);
     let here = null, rest = null;
     const learn = (next) => {
-      const found = this.residual(next, road);
+      const found = this.residual(next, passing);
       if (here) update(inverse, less(next.x, here.x), less(found, rest));
       [here, rest] = [next, found];
     };
@@ -141,7 +138,7 @@ class CurvedCar extends Ride {
     else if (weights.every((one) => Math.abs(one) < FAR)) {
       // Through these, to where all powers together are as they should be.
       const mean = (of) => here.x.map((_, i) => dot(weights, seen.map((one) => one[of][i])));
-      learn(this.trial(less(mean("x"), times(inverse, mean("rest")))));
+      learn(this.trial(less(mean("x"), times(inverse, mean("rest"))), here));
     }
     for (let round = 0; round < CURVE.rounds; round++) {
       if (Math.max(...rest.map(Math.abs)) <= CURVE.converged) {
@@ -151,7 +148,7 @@ class CurvedCar extends Ride {
       }
       const step = times(inverse, rest), most = Math.max(...step.map(Math.abs));
       const share = round || near.length ? Math.min(1, CURVE.longest / most) : 1;
-      learn(this.trial(here.x.map((one, i) => one - share * step[i])));
+      learn(this.trial(here.x.map((one, i) => one - share * step[i]), here));
     }
     return Object.assign(here.car.pumped(here.means), { settled: false });
   }
@@ -165,16 +162,20 @@ function update(inverse, step, change) {
 }
 
 // Matrices of one shape, each so many times.
-const combined = (...terms) => terms[0][1].map((row, i) => Float64Array.from(row, (_, j) =>
-  terms.reduce((total, [by, M]) => total + by * M[i][j], 0)));
+function combined(...terms) {
+  const [[, first]] = terms, out = zeros(first.length, first[0].length);
+  for (const [by, M] of terms) for (let i = 0; i < out.length; i++) add(out[i], M[i], by);
+  return out;
+}
 
-// sum_k A^k / (k + power)!, of a small A.
-function series(A, power) {
+// sum_k A^k / (k + power)! for powers 0 to 3, of a small A; each is A times the next and one term more.
+function series(A) {
   const unit = identity(A.length);
-  let total = unit, factorial = 1;
-  for (let k = 14; k > 0; k--) total = combined([1, unit], [1 / (k + power), multiply(A, total)]);
-  for (let k = 2; k <= power; k++) factorial *= k;
-  return combined([1 / factorial, total]);
+  let total = unit;
+  for (let k = 14; k > 0; k--) total = combined([1, unit], [1 / (k + 3), multiply(A, total)]);
+  const found = [combined([1 / 6, total])];
+  for (const first of [1 / 2, 1, 1]) found.unshift(combined([first, unit], [1, multiply(A, found[0])]));
+  return found;
 }
 
 // e^(A h), and what inputs 1, t/h and (t/h)^2 through B have done after a step and after half of it, as
@@ -182,9 +183,8 @@ function series(A, power) {
 function held(A, B, h) {
   const size = h * Math.max(...A.map((row) => sum(row.map(Math.abs))));
   const doublings = Math.max(1, Math.ceil(Math.log2(size)) + 2);
-  const step = h / 2 ** doublings, small = combined([step, A]);
-  const gains = [1, 2, 3].map((power) => combined([step * Math.max(1, power - 1), multiply(series(small, power), B)]));
-  let half, whole = [series(small, 0), ...gains];
+  const step = h / 2 ** doublings, [grown, ...integrals] = series(combined([step, A]));
+  let half, whole = [grown, ...integrals.map((one, k) => combined([step * Math.max(1, k), multiply(one, B)]))];
   for (let k = 0; k < doublings; k++) {
     half = whole;
     const [free, hold, ramp, bend] = half, then = (M) => multiply(free, M);

@@ -9,30 +9,6 @@ function largest(A) {
   return most;
 }
 
-// A^-1 by elimination with row pivots, and the logarithm of |det A|.
-function inverse(A) {
-  const n = A.length, left = zeros(n, 2 * n);
-  A.forEach((row, i) => {
-    row.forEach((one, j) => (left[i][j] = one));
-    left[i][n + i] = 1;
-  });
-  let size = 0;
-  for (let k = 0; k < n; k++) {
-    let pivot = k;
-    for (let i = k + 1; i < n; i++) if (Math.abs(left[i][k]) > Math.abs(left[pivot][k])) pivot = i;
-    [left[k], left[pivot]] = [left[pivot], left[k]];
-    const top = left[k], by = top[k];
-    size += Math.log(Math.abs(by));
-    for (let j = k; j < 2 * n; j++) top[j] /= by;
-    for (let i = 0; i < n; i++) {
-      const row = left[i], factor = row[k];
-      if (i === k || factor === 0) continue;
-      for (let j = k; j < 2 * n; j++) row[j] -= factor * top[j];
-    }
-  }
-  return { of: left.map((row) => row.slice(n)), size };
-}
-
 // The sum of A^k Q A^kT by Smith's doubling, A being Cayley's transform about the geometric mean of its eigenvalues.
 class Decay {
   constructor(A) {
@@ -70,11 +46,10 @@ class Decay {
 
   // (A + rate I)^-1 and its transpose.
   shifted(rate) {
-    if (!this.shifts.has(rate)) {
+    return kept(this.shifts, rate, () => {
       const { of } = inverse(this.A.map((row, i) => row.map((one, j) => one + (i === j ? rate : 0))));
-      this.shifts.set(rate, [of, transpose(of)]);
-    }
-    return this.shifts.get(rate);
+      return [of, transpose(of)];
+    });
   }
 
   passage(T) {

@@ -15,6 +15,14 @@ function coupled(A) {
   return parts;
 }
 
+// Complex numbers at some rows among n, none elsewhere.
+function among(n, rows, x) {
+  const whole = [];
+  for (let i = 0; i < n; i++) whole.push(complex(0));
+  rows.forEach((i, at) => (whole[i] = x[at]));
+  return whole;
+}
+
 // Powers of two that, as scales of the states, make rows and columns alike in size.
 function balance(A) {
   const n = A.length, scales = new Float64Array(n).fill(1);
@@ -41,9 +49,9 @@ function balance(A) {
   return scales;
 }
 
-// H = Z^T A Z, of nothing below the first subdiagonal; H becomes it, and Z is returned.
-function reflected(H) {
-  const n = H.length, Z = identity(n);
+// H becomes Z^T H Z, of nothing below the first subdiagonal; Z, of as many rows as are asked for, turns along.
+function reflected(H, Z) {
+  const n = H.length;
   for (let k = 0; k < n - 2; k++) {
     const v = new Float64Array(n);
     let size = 0;
@@ -54,7 +62,6 @@ function reflected(H) {
     reflect(H, Z, v, k + 1, n, k, n);
     for (let i = k + 2; i < n; i++) H[i][k] = 0;
   }
-  return Z;
 }
 
 // Reflect H from both sides, its columns from `from` on and its rows up to `to`, and Z from the right, by a vector that
@@ -72,7 +79,7 @@ function reflect(H, Z, v, first, last, from, to) {
     for (let i = first; i < last; i++) H[i][j] -= total * v[i];
   }
   turned(H, to, v, first, last, by);
-  turned(Z, n, v, first, last, by);
+  turned(Z, Z.length, v, first, last, by);
 }
 
 function turned(M, rows, v, first, last, by) {
@@ -127,21 +134,34 @@ function schur(H, Z) {
 function modesOf(A) {
   return coupled(A).flatMap((rows) => {
     const found = eigen(rows.map((i) => Float64Array.from(rows, (j) => A[i][j])));
-    return found.map(({ rate, V, W, condition }) => {
-      const [column, row] = [V, W].map((x) => {
-        const whole = A.map(() => complex(0));
-        rows.forEach((i, at) => (whole[i] = x[at]));
-        return whole;
-      });
-      return { rate, V: column, W: row, condition };
-    });
+    const whole = (x) => among(A.length, rows, x);
+    return found.map(({ rate, V, W, condition }) => ({ rate, V: whole(V), W: whole(W), condition }));
   });
+}
+
+// Eigenvalues alone, those of the blocks of Schur's form, which A becomes.
+function ratesOf(A) {
+  balance(A);
+  reflected(A, []);
+  schur(A, []);
+  const rates = [];
+  for (let i = 0; i < A.length; i++) {
+    if (i + 1 === A.length || A[i + 1][i] === 0) rates.push(complex(A[i][i]));
+    else {
+      const half = 0.5 * (A[i][i] - A[i + 1][i + 1]), middle = complex(A[i][i] - half);
+      const away = root(complex(half * half + A[i][i + 1] * A[i + 1][i]));
+      rates.push(plus(middle, away), minus(middle, away));
+      i++;
+    }
+  }
+  return rates;
 }
 
 // A = S Q T Q^H S^-1 of a complex T with nothing below its diagonal, where the eigenvalues `rates` are, and S of powers
 // of two; A is overwritten.
 function triangularised(A) {
-  const scales = balance(A), Z = reflected(A);
+  const scales = balance(A), Z = identity(A.length);
+  reflected(A, Z);
   schur(A, Z);
   const [T, Q] = [A, Z].map((M) => M.map((row) => Array.from(row, (one) => complex(one))));
   triangular(T, Q);

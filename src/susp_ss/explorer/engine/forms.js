@@ -1,11 +1,11 @@
 // Two matrices, the rows of one after those of the other.
-const beside = (one, other) => one.map((row, i) => Float64Array.of(...row, ...other[i]));
+const beside = (one, other) => one.map((row, i) => [...row, ...other[i]]);
 
 // x' = A x + B z_r, y = Y x + D z_r + D1 z_r' over x = (q, q' - M^-1 C_in z_r), of susp_ss.vehicles.second_order.
 function displacementForm({ m, K, C, K_in, C_in, R, N, elongation, rate, acceleration, on_road_velocity: D1 }) {
-  const n = m.length, over = (M) => M.map((row, i) => Float64Array.from(row, (one) => one / m[i]));
+  const n = m.length, over = (M) => M.map((row, i) => row.map((one) => one / m[i]));
   const both = (one, other, factor = 1) => one.map((row, i) => {
-    const total = Float64Array.from(row);
+    const total = [...row];
     add(total, other[i], factor);
     return total;
   });

@@ -36,11 +36,18 @@ class Modes {
     return total;
   }
 
+  // The real row for amplitudes' real parts, then for their imaginary ones, of what is seen of the modes.
+  reading(seen) {
+    const { counted } = this;
+    return [...seen.map(({ re }, k) => counted[k] * re), ...seen.map(({ im }, k) => -counted[k] * im)];
+  }
+
   // Amplitudes of the modes in a real vector; where they cancel by symmetry, none.
   amplitudes(x) {
     return this.W.map((row) => {
       let re = 0, im = 0, terms = 0;
       for (let i = 0; i < row.length; i++) {
+        if (x[i] === 0) continue;
         re += row[i].re * x[i];
         im += row[i].im * x[i];
         terms += modulus(row[i]) * Math.abs(x[i]);

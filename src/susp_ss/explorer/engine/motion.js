@@ -33,7 +33,7 @@ function resonances(rates, gains, s) {
 }
 
 // What an output makes of amplitudes that the modes are moved by.
-const gainsOf = ({ dynamics, seen }, row, moved) => dynamics.whole(seen[row].map((one, k) => product(one, moved[k])));
+const gainsOf = (car, row, moved) => car.dynamics.whole(car.sees(row).map((one, k) => product(one, moved[k])));
 
 // Complex response of an output to the height of the road under a wheel.
 function response(car, row, wheel, frequencies) {
@@ -46,27 +46,32 @@ function response(car, row, wheel, frequencies) {
   });
 }
 
-// One-sided spectrum of an output on a road.
-function spectrum(car, row, road, frequencies) {
-  const total = frequencies.map(() => 0), rates = car.dynamics.whole(car.dynamics.rates);
+// One-sided spectra of the outputs of some rows on a road.
+function spectra(car, rows, road, frequencies) {
+  const totals = rows.map(() => frequencies.map(() => 0)), rates = car.dynamics.whole(car.dynamics.rates);
   for (const process of car.processes[road.tracks]) {
-    const integrated = car.integrated(process), on = car.on_integrators[row], drift = dot(on, integrated.drift);
-    const axles = car.entries(process).map((entry, j) => ({
-      gains: gainsOf(car, row, entry),
-      through: dot(car.on_road_velocity[row], process.weights[j]),
-      warp: dot(on, integrated.rates[j]),
-      tau: car.behind[j] / road.speed,
-    }));
-    frequencies.forEach((f, i) => {
-      const s = complex(0, 2 * Math.PI * f);
-      const whole = axles.reduce((sum, { gains, through, warp, tau }) => {
-        const turn = exponentialLess1(scaled(s, -tau)), alone = plus(resonances(rates, gains, s), complex(through));
-        return plus(sum, plus(product(plus(turn, complex(1)), alone), quotient(scaled(turn, warp), s)));
-      }, quotient(complex(drift), s));
-      total[i] += shareOf(process, road, f / road.speed, car.track_width) * verticalVelocity(road, f) * power(whole);
+    const integrated = car.integrated(process), entries = car.entries(process);
+    const strengths = frequencies.map((f) =>
+      shareOf(process, road, f / road.speed, car.track_width) * verticalVelocity(road, f));
+    rows.forEach((row, at) => {
+      const on = car.on_integrators[row], drift = dot(on, integrated.drift);
+      const axles = entries.map((entry, j) => ({
+        gains: gainsOf(car, row, entry),
+        through: dot(car.on_road_velocity[row], process.weights[j]),
+        warp: dot(on, integrated.rates[j]),
+        tau: car.behind[j] / road.speed,
+      }));
+      frequencies.forEach((f, i) => {
+        const s = complex(0, 2 * Math.PI * f);
+        const whole = axles.reduce((sum, { gains, through, warp, tau }) => {
+          const turn = exponentialLess1(scaled(s, -tau)), alone = plus(resonances(rates, gains, s), complex(through));
+          return plus(sum, plus(product(plus(turn, complex(1)), alone), quotient(scaled(turn, warp), s)));
+        }, quotient(complex(drift), s));
+        totals[at][i] += strengths[i] * power(whole);
+      });
     });
   }
-  return total;
+  return totals;
 }
 
 // Angles in degrees without the jumps of a whole turn.
@@ -168,7 +173,8 @@ function recorded(car, { speed, step, steps, every, heights }, drive) {
 
 // Where everything is while the car drives over a bump.
 function bump(car, asked) {
-  const way = wayOver(car, asked), { dynamics, positions } = car, { rates } = dynamics, felt = car.measured[0].row;
+  const way = wayOver(car, asked), { dynamics, positions } = car, { rates } = dynamics;
+  const felt = car.measured[0].row, seen = car.sees(felt);
   const into = car.entering.map((one) => dynamics.amplitudes(one));
   const free = rates.map((rate) => exponential(scaled(rate, way.step)));
   const driven = rates.map((rate, k) => {
@@ -179,7 +185,7 @@ function bump(car, asked) {
   return recorded(car, way, {
     place: (row, z) => dynamics.real(positions[row].seen, amplitudes) + dot(positions[row].carried, z),
     acceleration: (z) =>
-      dynamics.real(car.seen[felt], amplitudes) + dot(car.on_integrators[felt], times(car.integrators, z)),
+      dynamics.real(seen, amplitudes) + dot(car.on_integrators[felt], times(car.integrators, z)),
     on(_, rise) {
       amplitudes = amplitudes.map((one, k) => {
         const moved = product(free[k], one);

@@ -11,7 +11,6 @@ class MovingCar extends Ride {
     const W = this.modes.map(({ W, at }) => this.halves.flatMap((own, i) => (i === at ? W : nothing(own))));
     this.dynamics = new Modes(this.modes.map(({ rate }) => rate), W);
     this.entering = this.corners.map((_, wheel) => this.halves.flatMap(({ B }) => B.map((row) => row[wheel])));
-    this.seen = this.on_road_velocity.map((_, i) => this.halves.flatMap(({ seen }) => seen[i]));
     this.on_road_velocity = this.added(({ D }) => D, this.on_road_velocity);
     // The warp of the road, and the angle to which a road that stands still would bring the body.
     const still = this.added(({ stretch, K_ride, K_in }) => multiply(stretch, quotients(K_ride, K_in)), this.resting);
@@ -26,6 +25,11 @@ class MovingCar extends Ride {
   // What a real row for each half sees of the modes.
   seenBy(row) {
     return this.modes.map(({ V, at }) => applied(row(this.halves[at]), V));
+  }
+
+  // What an output sees of each mode.
+  sees(row) {
+    return this.halves.flatMap(({ seen }) => seen[row]);
   }
 
   get positions() {

@@ -7,7 +7,6 @@ const LEVEL = 1e-8;
 
 const minusOf = (A, B) => A.map((row, i) => row.map((one, j) => one - B[i][j]));
 const weighed = (weights, A) => A.map((row, i) => row.map((one) => weights[i] * one));
-const quadratic = (row, X) => dot(row, times(X, row));
 
 // x + by y.
 function ahead(x, by, y) {

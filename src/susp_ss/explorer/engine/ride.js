@@ -60,12 +60,12 @@ const deviation = (variance) => Math.sqrt(Math.max(variance, 0));
 
 // A car of numbers, ready for any road: a kind of `MODELS`, with parameters at every wheel.
 //
-// Its `dynamics` are moved by the rates of the heights under the wheels as `entering` says, vectors by wheel; of the
-// modes every output sees `seen`, of those rates themselves `on_road_velocity`, and `on_integrators` of the `integrators`
-// of these.
+// Its `dynamics` are moved by the rates of the heights under the wheels as `entering` says, vectors by wheel; an output
+// `sees` the modes, of those rates themselves `on_road_velocity`, and `on_integrators` of the `integrators` of these.
 class Ride {
   constructor(model, parameters) {
     Object.assign(this, MODELS[model], MODELS[model].assemble(parameters), { model, parameters });
+    Object.assign(this, { driven: new Map(), entered: new Map(), tellings: [] });
   }
 
   // Why there is nothing to be said of it at all, or nothing on any road.
@@ -92,13 +92,19 @@ class Ride {
     return bump(this.at(asked), asked);
   }
 
-  // How a process moves the modes by each of its axles.
-  entries({ weights }) {
-    return weights.map((row) => {
-      const total = new Float64Array(this.entering[0].length);
-      row.forEach((weight, wheel) => add(total, this.entering[wheel], weight));
-      return this.dynamics.amplitudes(total);
-    });
+  // How a process moves what moves, by each of its axles; what cancels by symmetry, not at all.
+  moved(process) {
+    return kept(this.driven, process, () => process.weights.map((row) => cancelled(row, this.entering)));
+  }
+
+  // How it moves the modes.
+  entries(process) {
+    return kept(this.entered, process, () => this.moved(process).map((one) => this.dynamics.amplitudes(one)));
+  }
+
+  // What a real row for the parts of the modes' amplitudes and for the integrals makes an output of.
+  told(row) {
+    return (this.tellings[row] ??= [...this.dynamics.reading(this.sees(row)), ...this.on_integrators[row]]);
   }
 
   // Rates of the integrators under a process by each axle, and what is left of them after all axles; no rounding.
@@ -110,63 +116,37 @@ class Ride {
     return { rates: rates.map(cleaned), drift: cleaned(sizes.map((_, k) => sum(rates.map((row) => row[k])))) };
   }
 
+  // The processes of a road as they pass, behind a filter if there is one.
+  passing(road, filter = null) {
+    const taus = this.behind.map((distance) => distance / road.speed);
+    return this.processes[road.tracks].map((process) => {
+      const surface = spectrumOf(process, road, this.track_width);
+      const spectrum = filter ? paired(multiplied(surface, filter)) : surface;
+      return new Passing(process, spectrum, taus, this.integrated(process));
+    });
+  }
+
   // Variance of every output on a road, behind a filter if there is one.
   variances(road, filter = null) {
-    const { dynamics } = this, { rates, counted } = dynamics, all = dynamics.whole(rates), n = all.length;
-    const [re, im] = [0, 1].map(() => new Float64Array(rates.length * n)), many = this.integrators.length;
-    const cross = this.integrators.map(() => rates.map(() => complex(0))), own = zeros(many, many);
-    const taus = this.behind.map((distance) => distance / road.speed), through = new Float64Array(this.seen.length);
-    for (const process of this.processes[road.tracks]) {
-      const surface = spectrumOf(process, road, this.track_width), entries = this.entries(process);
-      const spectrum = filter ? paired(multiplied(surface, filter)) : surface, integrated = this.integrated(process);
-      const bounded = integrated.drift.some((rate) => rate !== 0);
-      const one = stirred(dynamics, entries, taus, spectrum, integrated.rates, bounded);
-      entries.forEach((entry, j) => {
-        const [b, u] = [entry, one.felt[j]].map((x) => dynamics.whole(x));
-        for (let k = 0, at = 0; k < rates.length; k++) {
-          for (let l = 0; l < n; l++, at++) {
-            re[at] += b[k].re * u[l].re - b[k].im * u[l].im + u[k].re * b[l].re - u[k].im * b[l].im;
-            im[at] += b[k].re * u[l].im + b[k].im * u[l].re + u[k].re * b[l].im + u[k].im * b[l].re;
-          }
-        }
-      });
-      if (one.own) {
-        cross.forEach((row, k) => row.forEach((value, mode) => (row[mode] = plus(value, one.cross[k][mode]))));
-        own.forEach((row, k) => add(row, one.own[k], 1));
-      }
-      this.on_road_velocity.forEach((passing, i) => {
-        const feeds = process.weights.map((row) => dot(passing, row));
+    return this.variancesOf([...this.on_road_velocity.keys()], this.passing(road, filter), filter !== null);
+  }
+
+  // Variances of the outputs of some rows, of what passes; where it is `filtered`, its velocity has one, too.
+  variancesOf(rows, passing, filtered = false) {
+    const { dynamics } = this, moments = new Moments(dynamics.rates, this.integrators.length);
+    const through = rows.map(() => 0);
+    for (const one of passing) {
+      const entries = this.entries(one.process), stirred = one.stirred(dynamics.rates, entries);
+      moments.add(one, entries, stirred);
+      rows.forEach((row, i) => {
+        const feeds = one.process.weights.map((weights) => dot(this.on_road_velocity[row], weights));
         if (feeds.every((feed) => feed === 0)) return;
-        // White velocity has no finite variance.
-        through[i] += filter
-          ? passedOn(dynamics, feeds, this.seen[i], this.on_integrators[i], one, taus, spectrum, integrated.rates, bounded)
-          : Infinity;
+        const passedOn = () => one.passedOn(dynamics, feeds, this.sees(row), this.on_integrators[row], stirred.felt);
+        through[i] += filtered ? passedOn() : Infinity;
       });
     }
-    // Covariances of the modes: the right-hand side of Lyapunov's equation over the sum of two rates.
-    for (let k = 0, at = 0; k < rates.length; k++) {
-      for (let l = 0; l < n; l++, at++) {
-        const x = quotient(complex(-counted[k] * re[at], -counted[k] * im[at]), plus(rates[k], all[l]));
-        [re[at], im[at]] = [x.re, x.im];
-      }
-    }
-    return this.seen.map((seen, i) => {
-      const other = dynamics.whole(seen), on = this.on_integrators[i];
-      let total = through[i];
-      on.forEach((one, k) => {
-        total += one * (2 * dynamics.real(seen, cross[k]) + dot(own[k], on));
-      });
-      for (let k = 0; k < rates.length; k++) {
-        if (seen[k].re === 0 && seen[k].im === 0) continue;
-        let x = 0, y = 0;
-        for (let l = 0, at = k * n; l < n; l++, at++) {
-          x += re[at] * other[l].re - im[at] * other[l].im;
-          y += re[at] * other[l].im + im[at] * other[l].re;
-        }
-        total += seen[k].re * x - seen[k].im * y;
-      }
-      return total;
-    });
+    const R = moments.settled();
+    return rows.map((row, i) => through[i] + quadratic(this.told(row), R));
   }
 
   // Root mean squares, and mean powers of dampers, in the order of the model's metrics.
@@ -197,51 +177,76 @@ function applied(row, x) {
   return complex(re, im);
 }
 
-// A car that the speed does not change.
+// Rows, each so many times, added up; of what cancels, no rounding.
+const cancelled = (weights, rows) => rows[0].map((_, i) => {
+  const terms = weights.map((weight, k) => weight * rows[k][i]), total = sum(terms);
+  return Math.abs(total) > ROUNDING * sum(terms.map(Math.abs)) ? total : 0;
+});
+
+// Of a car that the speed does not change, what its dampers do not: coordinates q = T p in which all masses are one and
+// left and right are their sum and their difference, what stiffness there is in these, how the rates of the heights
+// under the wheels move p relative to the road and p', and what outputs see of p, p' and p''.
+function frameOf({ m, K, K_in, C_in, R, N, coordinates, elongation, rate, acceleration, integrators }) {
+  const T = identity(m.length), slots = coordinates.map(({ motion }) => motion);
+  for (const [i, j] of alike(slots)) [T[i][i], T[i][j], T[j][i], T[j][j]] = [1, 1, 1, -1].map((one) => one * Math.SQRT1_2);
+  T.forEach((row, i) => row.forEach((one, j) => (row[j] = one / Math.sqrt(m[i]))));
+  const G = quotients(K, K_in), still = multiply(R, G), back = transpose(T);
+  still.forEach((row, i) => add(row, N[i], 1));
+  const heavy = G.map((row, i) => row.map((one) => -m[i] * one));
+  return {
+    T,
+    back,
+    stiffness: multiply(back, multiply(K, T)),
+    views: [multiply(elongation, R), multiply(rate, R), acceleration].map((M) => multiply(M, T)),
+    entering: transpose([...multiply(back, heavy), ...multiply(back, C_in)]),
+    driven: new Map(),
+    G,
+    on_integrators: multiply(elongation, warped(still, integrators)),
+    slots,
+  };
+}
+
+// Where the same name stands twice.
+const alike = (names) => [...names.keys()].map((i) => [i, names.indexOf(names[i], i + 1)]).filter(([, j]) => j > 0);
+
+// A car that the speed does not change, which may be like another but for its dampers.
 class Car extends Ride {
-  constructor(model, parameters) {
+  constructor(model, parameters, like = null) {
     super(model, parameters);
-    const root = Float64Array.from(this.m, Math.sqrt);
-    const normalised = (A) => A.map((row, i) => Float64Array.from(row, (one, j) => one / (root[i] * root[j])));
-    const motions = this.coordinates.map(({ motion }) => motion), each = [...new Set(motions)];
-    const pairs = each.map((one) => [...motions.keys()].filter((i) => motions[i] === one)).filter(({ length }) => length === 2);
-    this.dynamics = Dynamics.of(normalised(this.K), normalised(this.C), pairs);
-    const { rates, shapes } = this.dynamics;
-    this.shapes = shapes.map((shape) => shape.map((one, i) => scaled(one, 1 / root[i])));
-    // By the rates of the heights under the wheels, into positions relative to the road and velocities.
-    const G = quotients(this.K, this.K_in);
-    const entering = [
-      ...G.map((row, i) => row.map((one) => -one * root[i])),
-      ...this.C_in.map((row, i) => row.map((one) => one / root[i])),
-    ];
-    this.entering = transpose(entering);
-    this.G = G;
-    // What every output sees of each mode: elongation R p + rate R p' + acceleration p''.
-    const stretched = this.shapes.map((shape) => this.R.map((row) => applied(row, shape)));
-    this.seen = this.elongation.map((elongation, i) => rates.map((rate, k) => {
-      const accelerated = product(rate, applied(this.acceleration[i], this.shapes[k]));
-      const moving = plus(applied(this.rate[i], stretched[k]), accelerated);
-      return plus(applied(elongation, stretched[k]), product(rate, moving));
-    }));
-    const still = multiply(this.R, G);
-    still.forEach((row, i) => add(row, this.N[i], 1));
-    this.on_integrators = multiply(this.elongation, warped(still, this.integrators));
-    this.slots = this.coordinates.map(({ motion }) => motion);
+    this.frame = like?.frame ?? frameOf(this);
+    const { T, back, stiffness } = Object.assign(this, this.frame);
+    this.dynamics = Dynamics.of(stiffness, multiply(back, multiply(this.C, T)), like?.dynamics);
+  }
+
+  // Shapes of the modes in the coordinates.
+  get shapes() {
+    return this.dynamics.shapes.map((shape) => this.T.map((row) => applied(row, shape)));
+  }
+
+  // What an output sees of each mode: elongation R p + rate R p' + acceleration p''.
+  sees(row) {
+    const [still, moving, accelerated] = this.views.map((M) => M[row]);
+    return this.dynamics.rates.map((rate, k) => {
+      const [x, v, a] = [still, moving, accelerated].map((one) => applied(one, this.dynamics.shapes[k]));
+      return plus(x, product(rate, plus(v, product(rate, a))));
+    });
   }
 
   // What is shown of where everything is: what it sees of the modes, and by how much the ground carries it.
   get positions() {
+    const { shapes } = this;
     return this.placed.map(({ at }, i) => ({
       at,
-      seen: this.shapes.map((shape) => applied(this.places[i], shape)),
+      seen: shapes.map((shape) => applied(this.places[i], shape)),
       carried: multiply([this.places[i]], this.G)[0],
     }));
   }
 
   // Every mode with its shape in the coordinates, and the shares of its kinetic energy that the `slots` have.
   motions() {
+    const { shapes } = this;
     return this.dynamics.rates.map((rate, k) => {
-      const shape = this.shapes[k], energies = shape.map((one, i) => power(one) * this.m[i]), all = sum(energies);
+      const shape = shapes[k], energies = shape.map((one, i) => power(one) * this.m[i]), all = sum(energies);
       return { rate, shape, shares: energies.map((one) => one / all) };
     });
   }

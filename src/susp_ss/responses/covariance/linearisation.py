@@ -6,7 +6,8 @@ car (Caughey 1963; Roberts and Spanos 1990). The mean is where the mean forces b
 the body up or down. Nothing dissipates but dampers, so that on a white road a quarter car's power ``c E[v^2]`` is
 ``q kt / 2`` whatever c is, and its ``c E[d^2]`` is ``q (ms + mu) / 2``: what the rounds below go by is the logarithm of
 these two at each corner, which hardly change from car to car, and not c and k themselves. A round asks the fast routes
-for the variances of the designs that still move; Broyden's rank-one updates take the steps.
+for the variances of the designs that still move; where they are few it asks for their neighbours' as well and takes
+Newton's steps, else Broyden's rank-one updates take them.
 """
 
 from __future__ import annotations
@@ -31,12 +32,16 @@ Array = NDArray[np.float64]
 # refused; and the longest step of a round, as a power of e.
 CONVERGED, ROUNDS, LONGEST = 1e-10, 50, 1.0
 
+# A round of so few designs, neighbours counted, takes hardly longer than one of a single design. How far neighbours are
+# in each x; a step no longer than that is Newton's last, along which powers and variances are known: what is left is of
+# the order of its square.
+FEW, NEAR = 250, 5e-6
+
 # No variance is taken as smaller.
 STILL = 1e-24
 
-# Newton's steps to the deviation of one corner's velocity; after one of SETTLED, what is left is of the order of its
-# square.
-STEPS, SETTLED = 60, 1e-8
+# Newton's steps to the deviation of one corner's velocity, and the step from which on it is found.
+STEPS, SETTLED = 60, 1e-11
 
 
 class State(NamedTuple):
@@ -157,53 +162,72 @@ def linearised(vehicle: Vehicle, road: Road) -> Vehicle:
     return vehicle.straightened(numbers)
 
 
-def linearise(flat: Vehicle, space: DesignSpace, road: Road, designs: int = 1) -> Linearised:
-    """Linearise a flattened vehicle's designs, which may be part of a sweep of more ``designs``."""
-    N = space.size
-    rounds = _Rounds(flat, road, N)
-    pushing = np.all([np.broadcast_to(rounds.first_cs[i], N) > 0.0 for i, *_ in rounds.damped], axis=0)
+def linearise(
+    flat: Vehicle, space: DesignSpace, road: Road, designs: int = 1, leaders: NDArray[np.int_] | None = None
+) -> Linearised:
+    """Linearise a flattened vehicle's designs, which may be part of a sweep of more ``designs``.
+
+    Each takes the state of the one that ``leaders`` (N,) names for it, its own by default: through a weighting on the
+    road, a car is the one that it is on the road itself.
+    """
+    every = np.arange(space.size)
+    leaders = every if leaders is None else leaders
+    rounds = _Rounds(flat, road, space, designs)
+    pushing = np.all([np.broadcast_to(rounds.first_cs[i], space.size) > 0.0 for i, *_ in rounds.damped], axis=0)
     if not np.all(pushing):
         raise ValueError(
             f"{type(flat).__name__}{space.place(int(np.argmin(pushing)))} has a damper whose curve gives no force as "
             "it moves; pass one that rises in bump or rebound"
         )
-    x = rounds.first()
-    residual, last, step = (np.zeros_like(x) for _ in range(3))
-    inverse = np.tile(-np.eye(x.shape[1]), (N, 1, 1))
-    variances, count = np.empty((N, len(flat.layout().outputs))), np.zeros(N, dtype=int)
-    moving = np.arange(N)
+    x, variances, count = _settled(rounds, leaders)
+    straight, state = rounds.straight(x, every)
+    return Linearised(straight, state._replace(mean=rounds.shift(state)), variances, count)
+
+
+def _settled(rounds: _Rounds, leaders: NDArray[np.int_]) -> tuple[Array, Array, NDArray[np.int_]]:
+    """Where all designs stand still, their variances there, and after how many rounds."""
+    x, moving = rounds.first(), np.unique(leaders)
+    N, n = x.shape
+    last, step, inverse = np.zeros_like(x), np.zeros_like(x), np.tile(-np.eye(n), (N, 1, 1))
+    variances, count = np.empty((N, len(rounds.flat.layout().outputs))), np.zeros(N, dtype=int)
+    alone = np.zeros((1, n))
+    neighbours = np.concatenate([alone, NEAR * np.eye(n)])
     for number in range(ROUNDS):
-        found = rounds.answer(x[moving], moving, space, designs)
-        variances[moving], count[moving] = found.variances, number + 1
-        residual[moving] = found.x - x[moving]
-        if not np.isfinite(residual[moving]).all():
-            raise _unbounded(flat, space, int(moving[np.argmin(np.isfinite(residual[moving]).all(axis=-1))]))
-        here = moving[np.abs(residual[moving]).max(axis=-1) > CONVERGED]
+        newton = len(moving) * len(neighbours) <= FEW
+        # Newton may arrive with the second round, and those that follow come along from there.
+        chosen = np.flatnonzero(np.isin(leaders, moving)) if newton and number else moving
+        powers, found = rounds.answer(x[leaders[chosen]], chosen, neighbours if newton else alone)
+        powers, count[chosen] = powers[np.isin(chosen, moving)], number + 1
+        finite = np.isfinite(powers).all(axis=(1, 2))
+        if not finite.all():
+            raise rounds.unbounded(int(moving[np.argmin(finite)]))
+        residual = powers[:, 0] - x[moving]
+        if newton:
+            inverse[moving] = np.linalg.inv((powers[:, 1:] - powers[:, :1]).mT / NEAR - np.eye(n))
+        elif number:
+            inverse[moving] = _updated(inverse[moving], step[moving], residual - last[moving])
+        last[moving], step[moving] = residual, -(inverse[moving] @ residual[..., None])[..., 0]
         if number:
-            inverse[here] = _updated(inverse[here], step[here], residual[here] - last[here])
-        moving = here
+            step[moving] /= np.maximum(np.abs(step[moving]).max(axis=-1, keepdims=True) / LONGEST, 1.0)
+        x[moving] += step[moving]
+        variances[chosen] = _after(step[leaders[chosen]], found) if newton else found[:, 0]
+        moving = moving[np.abs(step[moving]).max(axis=-1) > (NEAR if newton else CONVERGED)]
         if not len(moving):
             break
-        last[moving] = residual[moving]
-        step[moving] = -(inverse[moving] @ residual[moving][..., None])[..., 0]
-        if number:
-            step[moving] *= np.minimum(1.0, LONGEST / np.abs(step[moving]).max(axis=-1))[..., None]
-        x[moving] += step[moving]
     else:
-        raise ValueError(
-            f"{type(flat).__name__}{space.place(int(moving[0]))} has springs and dampers whose linearisation did not "
-            f"settle in {ROUNDS} rounds; pass gentler curves or a smoother road"
-        )
-    state = rounds.state(x, np.arange(N))
-    state = state._replace(mean=rounds.shift(state))
-    return Linearised(rounds.straight(state, np.arange(N)), state, variances, count)
+        raise rounds.unsettled(int(moving[0]))
+    behind = np.flatnonzero(count < count[leaders])
+    if len(behind):
+        variances[behind] = rounds.answer(x[leaders[behind]], behind, alone)[1][:, 0]
+    return x[leaders], variances, count[leaders]
 
 
-def _unbounded(flat: Vehicle, space: DesignSpace, design: int) -> ValueError:
-    return ValueError(
-        f"{type(flat).__name__}{space.place(design)} has a curve along which the motion has no finite variance on this "
-        "road; a damper on a rigid tyre needs a road of a waviness above 3 or a contact of some length"
-    )
+def _after(step: Array, found: Array) -> Array:
+    """Variances (m, outputs) after steps (m, n), from those (m, 1 + n, outputs) of designs and of their neighbours."""
+    here = found[:, 0]
+    with np.errstate(invalid="ignore"):
+        after = here + np.einsum("mi,mio->mo", step, found[:, 1:] - here[:, None]) / NEAR
+    return np.where(np.isfinite(here), np.maximum(after, 0.0), here)
 
 
 def _updated(inverse: Array, step: Array, change: Array) -> Array:
@@ -215,22 +239,19 @@ def _updated(inverse: Array, step: Array, change: Array) -> Array:
     return np.asarray(inverse + ((step - moved) / size[:, None])[..., None] * along[:, None])
 
 
-class _Answer(NamedTuple):
-    x: Array
-    variances: Array
-
-
 class _Rounds:
-    """From the logarithms x (N, unknowns) of powers to linear cars, and from these back to powers."""
+    """From the logarithms x (N, n) of powers to linear cars, and from these back to powers."""
 
-    def __init__(self, flat: Vehicle, road: Road, N: int):
-        self.flat, self.road, self.N = flat, road, N
+    def __init__(self, flat: Vehicle, road: Road, space: DesignSpace, designs: int):
+        self.flat, self.road, self.space, self.designs, self.N = flat, road, space, designs, space.size
         dampers, springs = flat.at_wheels("cs"), flat.at_wheels("ks")
         self.start = flat.middling()
         self.first_cs, self.first_ks = self.start.at_wheels("cs"), self.start.at_wheels("ks")
         self.groups = self._groups(dampers, springs)
         self.damped = [group for group in self.groups if isinstance(dampers[group[0]], Curve)]
         self.sprung = [group for group in self.groups if isinstance(springs[group[0]], Curve)]
+        # Deviations of the dampers' velocities that were found last.
+        self.sigma = np.empty((self.N, len(self.damped)))
         self._compliance: Array | None = None
 
     def _groups(self, dampers: tuple[Any, ...], springs: tuple[Any, ...]) -> list[list[int]]:
@@ -248,9 +269,11 @@ class _Rounds:
 
     def first(self) -> Array:
         """Where the rounds begin: with what the tyres take in, if there are any."""
-        powers = [np.log(self._taken_in(i)) for i, *_ in self.damped]
-        powers += [np.log(_weight(self.first_cs[i]) * SpringCurve.middling**2) for i, *_ in self.sprung]
-        return np.stack([np.broadcast_to(power, self.N) for power in powers], axis=-1)
+        powers = [self._taken_in(i) for i, *_ in self.damped]
+        for j, ((i, *_), power) in enumerate(zip(self.damped, powers, strict=True)):
+            self.sigma[:, j] = np.sqrt(power / self.first_cs[i])
+        powers += [_weight(self.first_cs[i]) * SpringCurve.middling**2 for i, *_ in self.sprung]
+        return np.log(np.stack([np.broadcast_to(power, self.N) for power in powers], axis=-1))
 
     def _taken_in(self, i: int) -> Any:
         """Power at a corner: on a white road half its intensity times the tyre's stiffness, whatever the dampers."""
@@ -261,42 +284,43 @@ class _Rounds:
         white = 0.5 * hop**2 * road.psd(hop / (2.0 * np.pi * road.speed)) / road.speed
         return 0.5 * kt * white
 
-    def state(self, x: Array, chosen: NDArray[np.int_]) -> State:
-        """The linear rates of some designs, and about which mean."""
+    def straight(self, x: Array, chosen: NDArray[np.int_]) -> tuple[Vehicle, State]:
+        """The linear cars of some designs, their rates and about which mean they are."""
         some, columns = self.flat.select(chosen), iter(np.exp(x).T)
         dampers, springs = some.at_wheels("cs"), some.at_wheels("ks")
         cs, ks = list(dampers), list(springs)
         damping, stiffness = (list[Means | None]([None] * len(cs)) for _ in range(2))
-        for group in self.damped:
-            means = dampers[group[0]].means(_deviation(dampers[group[0]], next(columns)))
+        for j, group in enumerate(self.damped):
+            damper = dampers[group[0]]
+            self.sigma[chosen, j], means = _deviation(damper, next(columns), self.sigma[chosen, j])
             for i in group:
                 cs[i], damping[i] = means.slope, means
-        mean, sigma = np.zeros((len(chosen), len(cs))), np.ones((len(chosen), len(cs)))
+        mean, travel = np.zeros((len(chosen), len(cs))), np.ones((len(chosen), len(cs)))
         if self.sprung:
             for group in self.sprung:
-                sigma[:, group] = np.sqrt(next(columns) / _weight(cs[group[0]]))[:, None]
-            mean = self._mean(springs, sigma, damping, chosen)
+                travel[:, group] = np.sqrt(next(columns) / _weight(cs[group[0]]))[:, None]
+            mean = self._mean(springs, travel, damping, chosen)
         for group in self.sprung:
             first = group[0]
-            means = springs[first].means(sigma[:, first], mean[:, first])
+            means = springs[first].means(travel[:, first], mean[:, first])
             for i in group:
                 ks[i], stiffness[i] = means.slope, means
-        return State(cs, ks, damping, stiffness, mean)
+        return some.straightened({"cs": cs, "ks": ks}), State(cs, ks, damping, stiffness, mean)
 
-    def straight(self, state: State, chosen: NDArray[np.int_]) -> Vehicle:
-        """The linear cars of a state."""
-        return self.flat.select(chosen).straightened({"cs": state.cs, "ks": state.ks})
+    def answer(self, x: Array, chosen: NDArray[np.int_], around: Array) -> tuple[Array, Array]:
+        """Powers (m, k, n) and variances (m, k, outputs) of the linear cars of designs (m,) at ``x + around``.
 
-    def answer(self, x: Array, chosen: NDArray[np.int_], space: DesignSpace, designs: int) -> _Answer:
-        """The powers of the linear cars that some designs' x make."""
-        state = self.state(x, chosen)
-        cars, ground = self.straight(state, chosen), self.road.select(chosen)
-        variances = covariance_variances(cars, space.some(chosen), ground, designs)
+        These are (m, n) and (k, n).
+        """
+        k, n = around.shape
+        every = np.repeat(chosen, k)
+        cars, state = self.straight((x[:, None] + around).reshape(-1, n), every)
+        variances = covariance_variances(cars, self.space.some(every), self.road.select(every), self.designs)
         table = self.flat.layout().outputs
         rates, travels = (np.maximum(variances[:, table.of(name)], STILL) for name in ("sws_rate", "sws"))
         powers = [np.log(state.cs[i] * rates[:, i]) for i, *_ in self.damped]
         powers += [np.log(_weight(state.cs[i]) * travels[:, i]) for i, *_ in self.sprung]
-        return _Answer(np.stack(powers, axis=-1), variances)
+        return np.stack(powers, axis=-1).reshape(-1, k, n), variances.reshape(len(chosen), k, -1)
 
     def shift(self, state: State) -> Array:
         """Mean deflection (N, corners) at every corner."""
@@ -314,6 +338,21 @@ class _Rounds:
         first = [k[chosen] if isinstance(k, np.ndarray) else k for k in self.first_ks]
         return balanced(compliance, springs, first, sigma, pump, np.zeros_like(pump))
 
+    def unbounded(self, design: int) -> ValueError:
+        """What to say of a design whose powers are not finite."""
+        return ValueError(
+            f"{type(self.flat).__name__}{self.space.place(design)} has a curve along which the motion has no finite "
+            "variance on this road; a damper on a rigid tyre needs a road of a waviness above 3 or a contact of some "
+            "length"
+        )
+
+    def unsettled(self, design: int) -> ValueError:
+        """What to say of a design that goes on moving."""
+        return ValueError(
+            f"{type(self.flat).__name__}{self.space.place(design)} has springs and dampers whose linearisation did not "
+            f"settle in {ROUNDS} rounds; pass gentler curves or a smoother road"
+        )
+
     @property
     def compliance(self) -> Array:
         """Deflection at every corner per force that pushes there, of the first linear cars."""
@@ -329,14 +368,17 @@ def _weight(cs: Any) -> Any:
     return np.where(cs > 0.0, cs, 1.0)
 
 
-def _deviation(damper: Curve, power: Array) -> Array:
-    """The deviation of a velocity that has the damper dissipate a power, ``E[f v] = power``: Newton in logarithms."""
-    log_sigma = np.log(np.sqrt(power / np.maximum(damper.means(damper.middling).slope, 1e-300)))
+def _deviation(damper: Curve, power: Array, guess: Array) -> tuple[Array, Means]:
+    """The deviation of a velocity that has the damper dissipate a power, ``E[f v] = power``, and the means there.
+
+    Newton in logarithms.
+    """
+    log_sigma = np.log(guess)
     for _ in range(STEPS):
         sigma = np.exp(log_sigma)
         means = damper.means(sigma)
         step = (np.log(power / means.slope) - 2.0 * log_sigma) / (2.0 + sigma**2 * means.third / means.slope)
-        log_sigma = log_sigma + np.clip(step, -2.0, 2.0)
         if np.all(np.abs(step) < SETTLED):
             break
-    return np.asarray(np.exp(log_sigma))
+        log_sigma = log_sigma + np.clip(step, -2.0, 2.0)
+    return sigma, means

@@ -7,7 +7,7 @@ First-order vectors are stacks (N, 2n, k) with the positions above the velocitie
 from __future__ import annotations
 
 from functools import cache, cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,17 @@ Array = NDArray[np.float64]
 TAYLOR_TERMS = 18
 
 
+class Reach(NamedTuple):
+    """Which forcing (J,) may decay as slowly as a mode does, and the most that it or a mode turns over a delay."""
+
+    slow: NDArray[np.bool_]
+    turns: float
+
+
 class Dynamics:
     """Mass-normalised free dynamics ``x' = A x``, ``A = [[0, I], [-K, -C]]``, for N designs at once.
 
-    K and C are arrays (N, n, n), or dual numbers where only `solve` and `resolvent` are asked for.
+    K and C are arrays (N, n, n), or dual numbers where only `solve`, `resolvent` and `carried` are asked for.
     """
 
     def __init__(self, K: Any, C: Any):
@@ -45,10 +52,12 @@ class Dynamics:
         damping = 0.5 * np.linalg.norm(self.C, ord=np.inf, axis=(-2, -1))
         return damping + np.sqrt(damping**2 + np.linalg.norm(self.K, ord=np.inf, axis=(-2, -1)))
 
-    def reach(self, rates: Array, tau: Array) -> float:
-        """The most that a mode, or a forcing that decays at ``rates`` (N, J), turns over the delays ``tau`` (N,)."""
-        fastest = np.maximum(self.fastest(), np.abs(rates).max(axis=1, initial=0.0))
-        return float(np.max(fastest * tau))
+    def reach(self, rates: Array, tau: Array) -> Reach:
+        """How far forcing at ``rates`` (N, J) and the delays ``tau`` (N,) lead."""
+        fastest = self.fastest()
+        slow = np.any(np.abs(rates) <= 2.0 * fastest[:, None], axis=0)
+        turning = np.maximum(fastest, np.abs(rates[:, slow]).max(axis=1, initial=0.0))
+        return Reach(slow, float(np.max(turning * tau)))
 
     def propagate(self, b: Array, tau: Array, alphas: Array) -> tuple[Array, Array]:
         """Carry ``b`` over the delay, freely and under decaying forcing.
@@ -68,16 +77,47 @@ class Dynamics:
             ``int_0^tau e^(A (tau - s)) b e^(-alpha s) ds``.
         """
         source, rates = b[:, :, None], alphas[:, None, :]
-        E, f = carried_over(self._first_order, source + 0.0 * rates, rates, tau[:, None, None], self.reach(alphas, tau))
-        return E @ source, np.moveaxis(f, 2, 1)[..., None]
+        reach = self.reach(alphas, tau)
+        E, f = self.carried(source + 0.0 * rates, rates, tau[:, None, None], reach)
+        return E @ source, f.mT[..., None]
+
+    def carried(self, forcing: Any, rates: Any, tau: Any, reach: Reach) -> tuple[Any, Any]:
+        """Carry all states over a delay, freely and under decaying forcing, of arrays or dual numbers.
+
+        By Taylor over a short time h, then over twice the time and so on, ``E <- E^2`` and ``f <- E f + f e^(-rate
+        h)``; by ``(A + rate I)^-1`` what decays faster than A moves, as so many doublings would cost digits.
+
+        Parameters
+        ----------
+        forcing : (N, 2n, J)
+        rates : (N, 1, J)
+            At which each forcing decays.
+        tau : (N, 1, 1)
+        reach : Reach
+
+        Returns
+        -------
+        E : (N, 2n, 2n)
+            ``e^(A tau)``.
+        f : (N, 2n, J)
+            ``int_0^tau e^(A (tau - s)) forcing e^(-rate s) ds``.
+        """
+        slow = reach.slow
+        E, f = _doubled(self._first_order, forcing[:, :, slow], rates[:, :, slow], tau, reach.turns)
+        if slow.all():
+            return E, f
+        entered, fast = forcing[:, :, ~slow], rates[:, :, ~slow]
+        left = E @ entered - entered * np.exp(-(fast * tau))
+        beyond = -self.resolvent(-fast.mT[..., None], left.mT[..., None])[..., 0].mT
+        order = np.argsort(np.concatenate([np.flatnonzero(slow), np.flatnonzero(~slow)]))
+        return E, np.concatenate([f, beyond], axis=-1)[:, :, order]
 
     @cached_property
-    def _first_order(self) -> Array:
+    def _first_order(self) -> Any:
         """A, (N, 2n, 2n)."""
-        n = self.n
-        A = np.zeros((len(self.K), 2 * n, 2 * n))
-        A[:, :n, n:], A[:, n:, :n], A[:, n:, n:] = np.eye(n), -self.K, -self.C
-        return A
+        still = 0.0 * self.K
+        above = np.concatenate([still, still + np.eye(self.n)], axis=-1)
+        return np.concatenate([above, np.concatenate([-self.K, -self.C], axis=-1)], axis=-2)
 
     def lyapunov(self, Q: Array) -> tuple[Array, Array]:
         """Solve ``A X + X A^T + Q = 0`` for symmetric Q (..., N, 2n, 2n); every design must be asymptotically stable.
@@ -127,33 +167,13 @@ class Dynamics:
         return unit, K, C, L, np.asarray(np.linalg.inv(L), dtype=float)
 
 
-def carried_over(A: Any, forcing: Any, rates: Any, tau: Any, reach: float) -> tuple[Any, Any]:
-    """Carry all states over a delay, freely and under decaying forcing, of arrays or dual numbers.
-
-    By Taylor over a short time h, then over twice the time and so on, ``E <- E^2`` and ``f <- E f + f e^(-rate h)``.
-
-    Parameters
-    ----------
-    A : (N, m, m)
-    forcing : (N, m, J)
-    rates : (N, 1, J)
-        At which each forcing decays.
-    tau : (N, 1, 1)
-    reach : float
-        The most that an eigenvalue of A, or a rate, turns over a delay.
-
-    Returns
-    -------
-    E : (N, m, m)
-        ``e^(A tau)``.
-    f : (N, m, J)
-        ``int_0^tau e^(A (tau - s)) forcing e^(-rate s) ds``.
-    """
-    doublings = max(0, int(np.ceil(np.log2(max(reach, 1.0)))))
+def _doubled(A: Any, forcing: Any, rates: Any, tau: Any, turns: float) -> tuple[Any, Any]:
+    """What `Dynamics.carried` returns, by doublings alone."""
+    doublings = max(0, int(np.ceil(np.log2(max(turns, 1.0)))))
     h = tau / 2.0**doublings
     E = term = 0.0 * A + np.eye(A.shape[-1])
     f = drift = 0.0 * forcing
-    for k in range(1, TAYLOR_TERMS + 1 if reach else 0):
+    for k in range(1, TAYLOR_TERMS + 1 if turns else 0):
         term, drift = A @ term * (h / k), (A @ drift + forcing) * (h / k)
         forcing = forcing * (rates * h / -k)
         E, f = E + term, f + drift

@@ -8,7 +8,7 @@ parameters: an imaginary step gives their tangents to rounding. States are mass-
 from __future__ import annotations
 
 import copy
-from collections.abc import Container, Sequence
+from collections.abc import Callable, Container, Sequence
 from itertools import combinations, pairwise
 from typing import Any, NamedTuple
 
@@ -23,7 +23,7 @@ from ..excitation import Process, integrated, processes
 from ..settings import Setting
 from .dual import Array, Dual
 from .first_order import Correlations, Spectrum
-from .lyapunov import Dynamics, carried_over
+from .lyapunov import Dynamics, Reach
 
 # So small that its square is nothing beside any parameter.
 STEP = 1e-30
@@ -78,7 +78,7 @@ def variance_tangents(vehicle: Vehicle, road: Road, settings: Sequence[Setting],
     entered = [[(system.B @ weights)[:, :, None] for weights in process.weights] for process in excited]
     alphas = [spectrum.alphas for spectrum in spectra]
     carried = {
-        (i, j): _carried(dynamics, A, taus[j] - taus[i], [own[i] for own in entered], alphas)
+        (i, j): _carried(free_dynamics, dynamics.reach, taus[j] - taus[i], [own[i] for own in entered], alphas)
         for i, j in {pair for process in excited for pair in combinations(process.axles.tolist(), 2)}
     }
 
@@ -175,7 +175,7 @@ def _spectrum(road: Road, process: Process, width: Dual, ground: dict[str, Dual]
 
 
 def _carried(
-    dynamics: Dynamics, A: Dual, tau: Dual, sources: Sequence[Dual], alphas: Sequence[Any]
+    dynamics: Dynamics, reach: Callable[..., Reach], tau: Dual, sources: Sequence[Dual], alphas: Sequence[Any]
 ) -> tuple[Dual, list[Dual]]:
     """Carry the states over the delay, freely and under decaying forcing from each source, at rates of its own."""
     ends = np.cumsum([0, *(each.shape[-1] for each in alphas)])
@@ -183,8 +183,7 @@ def _carried(
     forcing: Any = np.concatenate(
         [source + np.zeros(each.shape[-1]) for source, each in zip(sources, alphas, strict=True)], axis=-1
     )
-    reach = dynamics.reach(rates.value, tau.value)
-    E, f = carried_over(A, forcing, rates[:, None, :], tau[:, None, None], reach)
+    E, f = dynamics.carried(forcing, rates[:, None, :], tau[:, None, None], reach(rates.value, tau.value))
     return E, [f[:, :, first:last] for first, last in pairwise(ends)]
 
 
