@@ -185,7 +185,7 @@ OTHERS = ("ride-handling", "quarter", "pitch-half", "roll-half", "three-axle")
 def test_rows_are_those_of_the_package(ask, fitted):
     surrogate, text = fitted
     rng = np.random.default_rng(3)
-    models = ["full"] * 5 + [*(OTHERS if "speed" in surrogate.inputs else ())]
+    models = ["full"] * 4 + [*(OTHERS if "speed" in surrogate.inputs else ())]
     states = [drawn(rng, i, model) for i, model in enumerate(models)]
     outside = set()
     for state, rows in zip(states, asked(ask, text, states), strict=True):
@@ -311,7 +311,7 @@ def test_a_file_that_is_none_is_refused_in_one_line(ask, text, change, said):
 def test_any_damage_is_refused_in_one_line_or_predicts(ask):
     damage = runpy.run_path(str(BENCHMARKS / "damaged_files.py"))
     rng = np.random.default_rng(2)
-    texts = [damage["damaged"](text, rng) for text in damage["documents"]().values() for _ in range(60)]
+    texts = [damage["damaged"](text, rng) for text in damage["documents"]().values() for _ in range(40)]
     said = ask("wrong", texts)
     assert not any("\n" in line for line in said)
     right = [text for text, line in zip(texts, said, strict=True) if not line]
