@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from ..fit import surrogate_file
 from ..fit.low_fidelity import corners_of, own_place, stands_for
 from ..metrics.weightings import ACCELERATIONS, filters
 from ..quantities import CORNERS, GROUPS, METRICS, ROAD, signal
-from ..roads.road import TRACKS
+from ..roads.road import TRACKS, Road
 from ..surrogates import gaussian_process, intervals, kriging, numbers, radial_basis, regressor
 from ..surrogates.low_fidelity import evaluated
 from ..vehicles import MODELS
@@ -22,6 +23,9 @@ from ..vehicles.vehicle import Vehicle
 from .described import refusal
 from .rows import finite
 from .surrogates import INTERVAL, LACKING, SEVERAL
+
+PLACES = ("cg", *CORNERS)
+"""Where an expensive model may have been measured."""
 
 FEW = 40
 """Runs up to which a table has Student's distribution; it is needed of fewer than 19."""
@@ -41,7 +45,7 @@ def _cheap(vehicle: Vehicle) -> dict[str, Any]:
             "wheels": {name: sorted(stands_for(vehicle, wheel, place)) for name, wheel in vehicle.wheels.items()},
             "at": own_place(vehicle, place),
         }
-        for place in ("cg", *CORNERS)
+        for place in PLACES
     }
     vanishing = [name for name, quantity in vehicle.quantities().items() if quantity.zero]
     known = {"model": model_name(vehicle), "places": places, "single": len(vehicle.wheels) == 1}
@@ -62,10 +66,13 @@ def constants() -> dict[str, Any]:
             "metrics": list(METRICS),
             "road": {name: quantity.zero for name, quantity in ROAD.items()},
             "tracks": TRACKS,
-            "corners": list(CORNERS),
+            "of_road": [field.name for field in dataclasses.fields(Road)],
+            "places": PLACES,
             "meant": {name: [field, sorted(corners)] for name, (field, corners) in meant.items()},
             "least_degree": radial_basis.LEAST_DEGREE,
             "degrees": list(kriging.TRENDS.values()),
+            "thetas": kriging.THETAS,
+            "noises": kriging.NOISES,
             "least_noise": gaussian_process.LEAST_NOISE,
             "dependent": regressor.DEPENDENT,
             "tiny": float(np.finfo(float).tiny),

@@ -19,6 +19,9 @@ from .regressor import BATCH, DEPENDENT, Approximation, Array, independent, mono
 TRENDS = {"constant": 0, "linear": 1, "quadratic": 2}
 """Degrees of the trends that are monomials."""
 
+THETAS, NOISES = (0.5 * LEAST_THETA, 2.0 * MOST_THETA), (0.0, 2.0 * MOST_NOISE)
+"""Between which a fit's lie, lowest and highest."""
+
 # A fit takes the third power of the runs, some hundred times; beyond this many it takes about this many seconds.
 MANY, SECONDS = 500, 3.0
 
@@ -211,11 +214,11 @@ class _GaussianProcess(Approximation):
         degree, thetas, noise = found["degree"], np.asarray(found["scaled_thetas"], dtype=float), float(found["noise"])
         if degree not in TRENDS.values():
             raise ValueError(f"degree must be one of {', '.join(map(str, TRENDS.values()))}, got {briefly(degree)}")
-        least, most = 0.5 * LEAST_THETA, 2.0 * MOST_THETA
+        least, most = THETAS
         if thetas.shape != (self.n_features_in_,) or not ((thetas >= least) & (thetas <= most)).all():
             raise ValueError(f"scaled_thetas must be one for each column, from {least:g} to {most:g}")
-        if not 0.0 <= noise <= 2.0 * MOST_NOISE:
-            raise ValueError(f"noise must be from 0 to {2.0 * MOST_NOISE:g}, got {noise!r}")
+        if not NOISES[0] <= noise <= NOISES[1]:
+            raise ValueError(f"noise must be from {NOISES[0]:g} to {NOISES[1]:g}, got {noise!r}")
         # Older files have none.
         calibration = found.get("calibration")
         if calibration is not None and not (type(calibration) in (int, float) and 1.0 <= calibration < np.inf):

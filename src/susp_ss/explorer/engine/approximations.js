@@ -25,8 +25,6 @@ const VARIOGRAMS = {
 
 const squares = (one, other, weights) => one.reduce((total, x, i) => total + (weights?.[i] ?? 1) * (x - other[i]) ** 2, 0);
 
-const monomials = (z, degree) => (degree < 0 ? [] : factors(z.length, degree).map((term) => term.reduce((x, i) => x * z[i], 1)));
-
 // Q' x and Q x of an orthogonal Q whose first columns span those of P, and the triangle that takes P to these.
 class Reflected {
   constructor(P) {
@@ -100,9 +98,10 @@ function backwards(L, b) {
 function interpolant({ kernel, degree }, { shape }, { designs, responses }) {
   if (!Object.hasOwn(BUMPS, kernel) || !(shape > 0)) throw damaged(`kernel is ${kernel}, shape is ${shape}`);
   const least = FITTED.least_degree[kernel], power = degree ?? Math.max(least, 0), bump = BUMPS[kernel];
-  const known = Number.isInteger(power) && power >= least && countOf(designs[0].length, power, designs.length) <= designs.length;
+  const k = designs[0].length, n = designs.length;
+  const known = Number.isInteger(power) && power >= least && countOf(k, power, n) <= n;
   if (!known) throw damaged(`degree is ${degree}`);
-  const scaled = scalingOf(designs), Z = designs.map(scaled), tail = (z) => monomials(z, power);
+  const scaled = scalingOf(designs), Z = designs.map(scaled), tail = power < 0 ? () => [] : monomials(k, power);
   const about = (z) => Z.map((run) => bump(shape * Math.sqrt(squares(z, run)))), P = Z.map(tail), m = P[0].length;
   const conditions = [
     ...Z.map((z, i) => [...about(z), ...P[i]]),
@@ -115,14 +114,17 @@ function interpolant({ kernel, degree }, { shape }, { designs, responses }) {
   };
 }
 
+const within = (one, [least, most]) => typeof one === "number" && least <= one && one <= most;
+
 function process({ kernel }, { degree, scaled_thetas, noise: own }, { designs, responses, guides }) {
   if (!Object.hasOwn(VARIOGRAMS, kernel)) throw damaged(`kernel is ${kernel}`);
-  if (!FITTED.degrees.includes(degree) || !(own >= 0)) throw damaged(`degree is ${degree}, noise is ${own}`);
-  const thetas = numbersOf(scaled_thetas, "scaled_thetas", designs[0].length), n = designs.length;
+  if (!FITTED.degrees.includes(degree) || !within(own, FITTED.noises)) throw damaged(`degree is ${degree}, noise is ${own}`);
+  const k = designs[0].length, n = designs.length, thetas = numbersOf(scaled_thetas, "scaled_thetas", k);
+  if (!thetas.every((one) => within(one, FITTED.thetas))) throw damaged(`scaled_thetas are ${thetas.join(", ")}`);
   const variogram = VARIOGRAMS[kernel], wide = variogram(4 * sum(thetas)), scaled = scalingOf(designs), Z = designs.map(scaled);
   const columns = transpose(guides), middle = columns.map((column) => sum(column) / n);
   const width = columns.map((column) => Math.max(...column) - Math.min(...column));
-  const trend = (z, guide) => [...monomials(z, degree), ...guide.map((one, i) => (one - middle[i]) / width[i])];
+  const terms = monomials(k, degree), trend = (z, guide) => [...terms(z), ...guide.map((one, i) => (one - middle[i]) / width[i])];
   const about = (z) => Float64Array.from(Z, (run) => variogram(squares(z, run, thetas)) / wide);
   const noise = Math.max(own, n * FITTED.least_noise), C = Z.map((z) => about(z).map((one) => -one));
   C.forEach((row, i) => (row[i] += noise));

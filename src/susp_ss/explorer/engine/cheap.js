@@ -38,8 +38,10 @@ function fittedRoad(table) {
     found[name] = value;
   }
   if (!FITTED.tracks.includes(road.get("tracks"))) throw damaged(`road.tracks is ${road.get("tracks")}`);
+  const strange = [...road.keys()].find((name) => !FITTED.of_road.includes(name));
+  if (strange !== undefined) throw damaged(`road has a ${strange}`);
   const waviness = road.get("waviness"), plain = Number.isFinite(waviness) && waviness in GAMMA;
-  if (!plain || !road.get("delay") || road.get("wheels") || road.get("contact_length") || road.get("table")?.length) {
+  if (!plain || road.get("delay") !== true || road.get("wheels") || road.get("contact_length") || road.get("table")?.length) {
     throw new Elsewhere("the road of this fit");
   }
   return { ...found, waviness, tracks: road.get("tracks") };
@@ -71,7 +73,9 @@ class CheapModel {
     this.known = this.kind !== undefined && !own.has("seats");
     this.parameters = this.known ? parametersOf(this.kind, tableOf(own.get("parameters") ?? {}, "parameters")) : null;
     this.road = fittedRoad(road);
-    Object.assign(this, { place: place ?? null, parameter, weighting: weighting ?? null });
+    if (place !== null && !FITTED.places.includes(place)) throw damaged(`place is ${place}`);
+    if (typeof (weighting ?? "") !== "string") tableOf(weighting, "weighting");
+    Object.assign(this, { place, parameter, weighting: weighting ?? null });
   }
 
   // The filter that a metric passes before its root mean square is taken, or null.

@@ -76,6 +76,12 @@ function factors(k, degree) {
   return all;
 }
 
+// These monomials as a function of a design.
+function monomials(k, degree) {
+  const terms = factors(k, degree);
+  return (z) => terms.map((term) => term.reduce((total, i) => total * z[i], 1));
+}
+
 // Columns that run from -1 to 1 over a box, of a design.
 function scaling(lowest, highest) {
   const scale = lowest.map((one, i) => 2 / (highest[i] - one));
@@ -109,9 +115,9 @@ const MADE = {
     const k = numbers.columns.length, { degree } = numbers.settings, { box, coef } = numbers.found;
     if (!(Number.isInteger(degree) && degree > 0)) throw damaged(`degree is ${degree}`);
     numbersOf(coef, "coef", countOf(k, degree, coef?.length));
-    const scaled = scaling(...[0, 1].map((end) => numbersOf(box?.[end], "box", k))), terms = factors(k, degree);
+    const scaled = scaling(...[0, 1].map((end) => numbersOf(box?.[end], "box", k))), terms = monomials(k, degree);
     return new ByCoefficients(numbers, coef, (design) => {
-      const z = scaled(design), columns = terms.map((term) => term.reduce((total, i) => total * z[i], 1));
+      const columns = terms(scaled(design));
       return (a) => dot(a, columns);
     });
   },

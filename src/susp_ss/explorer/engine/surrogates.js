@@ -9,12 +9,13 @@ function surrogateOf(text) {
     throw new Refusal(`${WORDS.no_json}: ${error.message.replace(/\s+/g, " ")}`);
   }
   if (document?.format !== FITTED.format) throw new Refusal(WORDS.no_surrogate);
-  const { version, susp_ss: release } = document;
+  const { version, susp_ss: release, stated = {} } = document;
   if (!Number.isInteger(version) || version < 1) throw damaged(`version is ${version}`);
   if (version > FITTED.version) {
     throw new Refusal(WORDS.newer.replace(`version ${FITTED.version + 1}`, `version ${version}`).replace("{release}", release));
   }
   const inputs = [...tableOf(document.inputs, "inputs").keys()], outputs = [...tableOf(document.outputs, "outputs")];
+  tableOf(stated, "stated");
   tableOf(document.low_fidelity, "low_fidelity");
   if (!inputs.length || !outputs.length) throw damaged("it has no inputs or no outputs");
   try {
@@ -40,6 +41,7 @@ function elsewhere(make) {
 function outputOf(name, numbers, version, columns, cheap) {
   for (const part of ["settings", "found", "accuracy"]) tableOf(numbers?.[part], `${name}: ${part}`);
   const { kind, unit, box } = numbers, called = numbers.accuracy.surrogate ?? kind;
+  if (typeof unit !== "string") throw damaged(`${name} has no unit`);
   if (!Object.hasOwn(MADE, kind)) throw damaged(filled(WORDS.no_kind, { name: kind }));
   if (version < FITTED.version && FITTED.foreign.includes(kind)) throw damaged(`${name} is a ${kind} of file version ${version}`);
   if (String(numbers.columns) !== String(columns)) throw damaged(`${name} must have the columns ${columns.join(", ")}`);
