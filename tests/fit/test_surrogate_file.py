@@ -84,6 +84,7 @@ def test_columns_go_by_name(path):
         (lambda d: d | {"version": "1"}, "damaged: version must be a whole number >= 1, got '1'"),
         (lambda d: {k: v for k, v in d.items() if k != "outputs"}, "damaged: 'outputs' is missing"),
         (lambda d: d["outputs"]["bacc"]["found"].pop("coef") and d, "damaged: 'coef' is missing"),
+        (lambda d: d["outputs"]["bacc"].update(accuracy=1.0) or d, "damaged: accuracy of bacc must be numbers by name"),
         (lambda d: d["outputs"]["bacc"].update(kind="Oracle") or d, "damaged: no surrogate named 'Oracle'"),
         (lambda d: d["outputs"]["bacc"]["found"].update(coef=[1.0]) or d, "damaged: "),
         (lambda d: d["outputs"]["bacc"]["settings"].update(magic=1) or d, "damaged: .*magic"),

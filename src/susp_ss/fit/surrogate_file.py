@@ -335,6 +335,8 @@ def _restored(document: dict[str, Any]) -> SuspensionSurrogate:
     for name, output in outputs.items():
         if output["columns"] != columns:
             raise ValueError(f"{name} must have the columns {', '.join(columns)}, got {output['columns']!r}")
+        if not isinstance(output["accuracy"], dict):
+            raise ValueError(f"accuracy of {name} must be numbers by name, got {briefly(output['accuracy'])}")
         tuned = output["kind"] == "ParameterBased"
         models[name] = from_numbers(output, low_fidelity.response(name, columns, tuned))
         somewhere = np.nan_to_num([models[name].lowest_], posinf=1.0, neginf=1.0)
