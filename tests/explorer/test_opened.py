@@ -313,6 +313,12 @@ def test_a_file_that_is_none_is_refused_in_one_line(ask, text, change, said):
     assert "\n" not in found
 
 
+def test_lists_in_lists_without_end_are_refused_in_one_line(ask, text):
+    columns = f"{'[' * 200_000}{']' * 200_000}"
+    (found,) = ask("wrong", [changed(text, lambda d: d["outputs"]["sws"].update(columns="?")).replace('"?"', columns)])
+    assert found.startswith("damaged: ")
+
+
 def test_any_damage_is_refused_in_one_line_or_predicts(ask):
     damage = runpy.run_path(str(BENCHMARKS / "damaged_files.py"))
     rng = np.random.default_rng(2)

@@ -24,7 +24,8 @@ function surrogateOf(text) {
       return { inputs, cheap, outputs: outputs.map(([name, numbers]) => outputOf(name, numbers, version, inputs, cheap)) };
     });
   } catch (error) {
-    throw error instanceof TypeError ? damaged(error.message) : error; // Nothing where there should be a table.
+    // Nothing where there should be a table, or lists in lists without end.
+    throw error instanceof TypeError || error instanceof RangeError ? damaged(error.message) : error;
   }
 }
 
