@@ -292,6 +292,17 @@ def test_pins_and_reload(tab):
     assert query(tab)["ks"] == "20553"
 
 
+def test_the_ends_of_a_slider_in_ratios_are_of_its_range(tab):
+    tab.go("?model=quarter")
+    rough = next(one for one in NOTHING.tables["quarter"] if one.name == "roughness")
+    for key, end in (("End", rough.most), ("Home", rough.least)):
+        press(tab, "roughness", key)
+        assert float(query(tab)["roughness"]) == end
+        tab.reload()
+        tab.wait_for_selector(IDLE)
+        assert tab.locator("#errors li").count() == 0
+
+
 def test_bad_urls(tab):
     bad = "model=quarter&ks=soft&cs=-3&speed=900&tracks=parallel&nonsense=1&mu=50.4&kt=&bode=sws,taste"
     tab.go(f"?{bad}")

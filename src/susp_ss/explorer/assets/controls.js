@@ -128,7 +128,8 @@ explorer.controls = (() => {
     const [along, back] = row.logarithmic
       ? [
           (value) => Math.log(value / row.least) / Math.log(row.most / row.least),
-          (at) => row.least * (row.most / row.least) ** at,
+          // Rounded, the ends may lie outside.
+          (at) => explorer.state.within(row, Number((row.least * (row.most / row.least) ** at).toPrecision(3))),
         ]
       : [(value) => (value - row.least) / row.step, (at) => Number((row.least + row.step * at).toPrecision(12))];
     const range = html("input", {
@@ -147,9 +148,7 @@ explorer.controls = (() => {
             value / one,
             Math.min(row.step / one, 10 ** (Math.floor(Math.log10(Math.abs(value / one) || 1)) - 3)),
           );
-    range.addEventListener("input", () =>
-      changed(row, row.logarithmic ? Number(back(range.valueAsNumber).toPrecision(3)) : back(range.valueAsNumber)),
-    );
+    range.addEventListener("input", () => changed(row, back(range.valueAsNumber)));
     field.addEventListener("change", () => {
       const typed = explorer.state.number(field.value.replace(",", ".").replace("\u2212", "-"));
       const what = explorer.state.wrong(typable, typed);

@@ -177,8 +177,7 @@ explorer.page = (() => {
     const state = structuredClone(here.state);
     for (const row of explorer.state.rows(state.model)) {
       if (row.table !== "vehicle" || !(row.key in design)) continue;
-      const value = Number(design[row.key].toPrecision(6));
-      explorer.state.put(state, row, Math.min(row.most, Math.max(row.least, value)));
+      explorer.state.put(state, row, explorer.state.within(row, Number(design[row.key].toPrecision(6))));
     }
     move(null, { state });
   }

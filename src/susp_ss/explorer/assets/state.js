@@ -124,6 +124,8 @@ explorer.state = (() => {
     return `${row.name} must be a number from ${row.least} to ${row.most}${row.unit && " "}${row.unit}, got ${got}`;
   }
 
+  const within = (row, value) => Math.min(row.most, Math.max(row.least, value));
+
   // Another model on the same road; of what was shown, what it has as well.
   function changed(state, model) {
     const next = usual(model);
@@ -154,6 +156,7 @@ explorer.state = (() => {
     put,
     begin,
     unseated,
+    within,
     write,
     read,
     number,
