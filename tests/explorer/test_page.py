@@ -486,6 +486,7 @@ MOVES = """async ([count, together]) => {
         slider.dispatchEvent(new Event("input", { bubbles: true }));
         if (i % together === 0) await new Promise((done) => setTimeout(done, 4));
     }
+    slider.dispatchEvent(new Event("keyup", { bubbles: true })); // Let go, it has its URL.
 }"""
 
 
