@@ -217,6 +217,15 @@ def test_far_from_linear_cars_settle_where_their_curves_say(seed):
                 np.testing.assert_allclose(number, curve.means(sigma).slope, rtol=1e-8)
 
 
+@pytest.mark.parametrize("wheels", [("fr", "rr"), ("fr", "fl"), ("fl",)])
+@pytest.mark.parametrize("car", [CARS["full"], ss.ThreeAxleTruck(cs=12.0 * DIGRESSIVE)], ids=["full", "truck"])
+def test_a_road_under_some_wheels_moves_each_damper_in_its_own_way(car, wheels):
+    road = ss.Road.iso8608("C", speed=20.0, cutoff=0.01, wheels=wheels)
+    rates = np.ravel(ss.ride_metrics(car, road).sws_rate)
+    for damper, number, rate in zip(car.at_wheels("cs"), ss.linearised(car, road).at_wheels("cs"), rates, strict=True):
+        assert number == pytest.approx(expected(damper.force, rate)[1], rel=1e-7)
+
+
 @pytest.mark.parametrize("car", [CARS["full"], ss.QuarterCar(cs=TWO)], ids=["in rounds", "at once"])
 @pytest.mark.parametrize("many", [1, 400])
 def test_through_a_weighting_a_car_is_what_it_is_on_the_road_itself(car, many):

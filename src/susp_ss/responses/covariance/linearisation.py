@@ -255,12 +255,13 @@ class _Rounds:
         self._compliance: Array | None = None
 
     def _groups(self, dampers: tuple[Any, ...], springs: tuple[Any, ...]) -> list[list[int]]:
-        """Corners that move alike, as left and right of a symmetric car; they must have curves that are alike."""
+        """Corners that move alike, as left and right of a symmetric car; they must have such curves and such a road."""
         names = list(self.flat.wheels)
+        met = [self.road.wheels is None or name in self.road.wheels for name in names]
         mean = self.start.halves()[:1]
         groups = [[names.index(corner) for corner in strut] for half in mean for strut in half.struts]
         alike = all(
-            not isinstance(at[group[0]], Curve) or at[group[0]].alike(at[i])
+            met[i] == met[group[0]] and (not isinstance(at[group[0]], Curve) or at[group[0]].alike(at[i]))
             for at in (dampers, springs)
             for group in groups
             for i in group
