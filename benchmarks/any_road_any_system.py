@@ -105,25 +105,38 @@ class Pair:
         return self.bound is None or (ratio <= self.bound if self.slower else ratio >= self.bound)
 
 
-def waviness(model, tracks):
-    """A road of waviness 2.5: first-order terms beside the integral over frequency."""
-    road = ss.Road(waviness=2.5, tracks=tracks)
-    case = Case(model.__name__, model)
-    many, few = case.designs(MANY), case.designs(FEW)
+def exact(name, vehicle, road):
+    """Many vehicles on a road beside a few by the integral over frequency; ``vehicle`` makes so many of them."""
+    many, few = vehicle(MANY), vehicle(FEW)
 
-    def ours(cars=many):
-        return ss.ride_metrics(cars, road)
+    def ours(vehicles=many):
+        return ss.ride_metrics(vehicles, road)
 
     def other():
         return ss.ride_metrics(few, road, method="spectral")
 
     def agree():
         by_terms, by_integral = ours(few), other()
-        for name in by_terms:
-            np.testing.assert_allclose(by_terms[name], by_integral[name], rtol=1e-5, err_msg=name)
+        for metric in by_terms:
+            # So much is kept by terms that stand for the coherence of isotropic tracks.
+            np.testing.assert_allclose(by_terms[metric], by_integral[metric], rtol=1e-4, err_msg=metric)
 
-    name = f"{case.name}, waviness 2.5, {tracks} tracks"
-    return Pair(name, ours, MANY, f"the spectral route, {FEW} cars", other, FEW, 100.0, agree=agree)
+    return Pair(name, ours, MANY, f"the spectral route, {FEW} of them", other, FEW, 100.0, agree=agree)
+
+
+def waviness(model, tracks):
+    """A road of waviness 2.5: first-order terms beside the integral over frequency."""
+    case = Case(model.__name__, model)
+    return exact(f"{case.name}, waviness 2.5, {tracks} tracks", case.designs, ss.Road(waviness=2.5, tracks=tracks))
+
+
+def trucks():
+    """Three axles, laden and unladen."""
+
+    def laden(count):
+        return ss.ThreeAxleTruck(mb=np.linspace(9e3, 22e3, count))
+
+    return exact("ThreeAxleTruck, isotropic tracks", laden, ss.Road(tracks="isotropic"))
 
 
 def integrated(model, tracks):
@@ -226,6 +239,7 @@ def systems(count, peer, bound, labels=True):
 def pairs():
     yield waviness(ss.QuarterCar, "identical")
     yield waviness(ss.FullCar, "isotropic")
+    yield trucks()
     yield weighted()
     yield integrated(ss.QuarterCar, "identical")
     yield integrated(ss.RollHalfCar, "isotropic")
