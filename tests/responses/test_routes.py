@@ -129,6 +129,9 @@ def test_drifting_warp_and_undamped_models_are_refused_by_every_route():
     assert np.isfinite(ss.ride_metrics(ss.FullCar(), cut_off).sws).all()
     with pytest.raises(ValueError, match="no finite variance"):
         ss.ride_metrics(ss.FullCar(), dataclasses.replace(cut_off, waviness=3.0))
+    one_track = ss.Road(tracks="isotropic", waviness=3.1, wheels=("fr", "rr"))
+    with pytest.raises(ValueError, match="no finite variance"):
+        ss.ride_metrics(ss.FullCar(), one_track)
     steep = ss.Road(tracks="independent", waviness=3.0)
     with pytest.raises(ValueError, match="no finite variance"):
         ss.ride_metrics(ss.FullCar(), steep, method="spectral")

@@ -142,6 +142,10 @@ def check_stationary(vehicle: RoadVehicle, road: Road, model: Model) -> None:
     for process in processes(vehicle, road):
         rates, drift = integrated(model, process)
         diverges = np.any(rates != 0.0, axis=0) & steep(process, road)
+        if process.sign > 0 and road.slopes[0] >= 3.0 and not _cut_off(road):
+            # The mean of tracks that cohere is as steep as either: what it does over a delay must cancel as well.
+            turning = [np.asarray(x)[..., None] * rate for x, rate in zip(vehicle.axles, rates, strict=True)]
+            diverges = diverges | (np.abs(sum(turning)) > DRIFT * sum(map(np.abs, turning)))
         drifts = (drift != 0.0) & (not bounded(process, road))
         which = np.any(drifts | diverges, axis=tuple(range(drift.ndim - 1)))
         if which.any():
