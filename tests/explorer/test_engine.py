@@ -226,9 +226,10 @@ def test_axles_of_a_truck_that_change_places_are_refused_in_the_same_words(ask):
     assert "middle" in found["errors"][0]["message"]
 
 
-def test_tracks_that_part_tilt_a_car_without_bound(ask):
+@pytest.mark.parametrize("road", [{}, {"waviness": 3.0, "cutoff": 0.01}], ids=["without a cut-off", "steep"])
+def test_tracks_that_part_tilt_a_car_without_bound(ask, road):
     state = changed("ride-handling")
-    state["road"] |= {"tracks": "independent"}
+    state["road"] |= {"tracks": "independent", **road}
     (found,) = ask("compute", [state])
     expected = compute(state)
     said = expected["errors"][0]["message"]

@@ -1,5 +1,7 @@
 """One table: every vehicle on every road by every route, and against the oracles' own routes."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -123,6 +125,13 @@ def test_drifting_warp_and_undamped_models_are_refused_by_every_route():
             ss.ride_metrics(ss.QuarterCar(cs=0.0), ss.Road(), method=method)
     with pytest.raises(ValueError, match="no damper reaches"):
         ss.covariance(ss.QuarterCar(cs=np.array([1000.0, 0.0])), ss.Road())
+    cut_off = ss.Road(wheels=("fr",), cutoff=0.01, waviness=2.9)
+    assert np.isfinite(ss.ride_metrics(ss.FullCar(), cut_off).sws).all()
+    with pytest.raises(ValueError, match="no finite variance"):
+        ss.ride_metrics(ss.FullCar(), dataclasses.replace(cut_off, waviness=3.0))
+    one_track = ss.Road(tracks="isotropic", waviness=3.1, wheels=("fr", "rr"))
+    with pytest.raises(ValueError, match="no finite variance"):
+        ss.ride_metrics(ss.FullCar(), one_track)
     steep = ss.Road(tracks="independent", waviness=3.0)
     with pytest.raises(ValueError, match="no finite variance"):
         ss.ride_metrics(ss.FullCar(), steep, method="spectral")

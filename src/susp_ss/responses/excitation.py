@@ -110,12 +110,19 @@ def steep(process: Process, road: Road) -> bool:
 
     Where tracks cohere at long waves, their difference has one.
     """
-    return road.slopes[0] >= 3.0 and process.sign == 0 and not np.all(np.asarray(road.cutoff) > 0.0)
+    return road.slopes[0] >= 3.0 and process.sign == 0 and not _cut_off(road)
 
 
 def bounded(process: Process, road: Road) -> bool:
-    """Whether the height of a process has a finite variance, without a cut-off: where tracks cohere at long waves."""
-    return process.sign < 0 and road.slopes[0] < 3.0
+    """Whether the height of a process has a finite variance.
+
+    At long waves its spectrum goes with ``n^-w``, times ``n^2`` by a cut-off, and where tracks that cohere part.
+    """
+    return bool(road.slopes[0] < 1.0 + 2.0 * _cut_off(road) + 2.0 * (process.sign < 0))
+
+
+def _cut_off(road: Road) -> bool:
+    return bool(np.all(np.asarray(road.cutoff) > 0.0))
 
 
 def check_stationary(vehicle: RoadVehicle, road: Road, model: Model) -> None:
@@ -130,17 +137,21 @@ def check_stationary(vehicle: RoadVehicle, road: Road, model: Model) -> None:
     refusal = model.refusal()
     if refusal:
         raise ValueError(f"{type(vehicle).__name__} {refusal}")
-    if np.all(np.asarray(road.cutoff) > 0.0):
+    if _cut_off(road) and road.slopes[0] < 3.0:
         return
     for process in processes(vehicle, road):
         rates, drift = integrated(model, process)
         diverges = np.any(rates != 0.0, axis=0) & steep(process, road)
+        if process.sign > 0 and road.slopes[0] >= 3.0 and not _cut_off(road):
+            # The mean of tracks that cohere is as steep as either: what it does over a delay must cancel as well.
+            turning = [np.asarray(x)[..., None] * rate for x, rate in zip(vehicle.axles, rates, strict=True)]
+            diverges = diverges | (np.abs(sum(turning)) > DRIFT * sum(map(np.abs, turning)))
         drifts = (drift != 0.0) & (not bounded(process, road))
         which = np.any(drifts | diverges, axis=tuple(range(drift.ndim - 1)))
         if which.any():
+            instead = "" if _cut_off(road) else "pass cutoff > 0, or "
             raise ValueError(
-                f"{model.drifting(which)} ({road.describe()}); pass cutoff > 0, or let all wheels see a road of "
-                "waviness below 3"
+                f"{model.drifting(which)} ({road.describe()}); {instead}let all wheels see a road of waviness below 3"
             )
 
 

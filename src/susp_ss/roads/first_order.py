@@ -32,8 +32,8 @@ FALLING = -0.3
 # What an end's integral weighs in the fit, beside one point.
 END_WEIGHT = 30.0
 
-# Singular values below this share of the largest are rounding.
-RANK = 1e-13
+# Singular values below this share of the largest are rounding: weights that they made would cancel to the last digits.
+RANK = 2e-13
 
 
 class Terms(NamedTuple):

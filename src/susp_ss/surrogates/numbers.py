@@ -36,7 +36,8 @@ def to_numbers(surrogate: Surrogate) -> dict[str, Any]:
     dict
         ``kind``, ``settings`` (the arguments of the class), ``columns`` (names, or null), ``box`` (lowest and highest
         value of each column; null where there is no end), ``found`` (what the fit found) and, for intervals,
-        ``left_out`` (what its fits without some runs found; null if there are none, or above 300 runs none are kept).
+        ``left_out`` (what its fits without some runs found; null if there are none, as of approximations of more than
+        300 runs).
 
     Raises
     ------

@@ -1,5 +1,7 @@
 """Statistical linearisation: its fixed point by plain integrals, exact stationary densities, and its known gaps."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -215,6 +217,27 @@ def test_far_from_linear_cars_settle_where_their_curves_say(seed):
         for curve, number, sigma in zip(curves, numbers, rates, strict=True):
             if isinstance(curve, DamperCurve):
                 np.testing.assert_allclose(number, curve.means(sigma).slope, rtol=1e-8)
+
+
+def test_few_designs_settle_where_many_do():
+    """Newton's first step would go twenty powers of e astray, and steps of one power to and fro."""
+    soft = ss.DamperCurve.digressive(bump=90.0, rebound=413.0, knee=0.02, final=0.45)
+    stops = ss.SpringCurve.with_stops(ks=21.9e3, stop=811e3, bump=0.0313, rebound=0.0118)
+    car = ss.FullCar(cs=ss.Corners(fr=soft, fl=1500.0, rr=soft, rl=soft), ks=stops)
+    few = ss.Road.iso8608("D", speed=2.88, cutoff=0.05, tracks="independent")
+    many = dataclasses.replace(few, speed=np.full(60, 2.88))
+    alone, among = (linearise(flat, space, road) for space, flat, road in (spanned(car, road) for road in (few, many)))
+    assert alone.rounds.max() <= 15
+    np.testing.assert_allclose(alone.variances[0], among.variances[-1], rtol=1e-7)
+
+
+@pytest.mark.parametrize("wheels", [("fr", "rr"), ("fr", "fl"), ("fl",)])
+@pytest.mark.parametrize("car", [CARS["full"], ss.ThreeAxleTruck(cs=12.0 * DIGRESSIVE)], ids=["full", "truck"])
+def test_a_road_under_some_wheels_moves_each_damper_in_its_own_way(car, wheels):
+    road = ss.Road.iso8608("C", speed=20.0, cutoff=0.01, wheels=wheels)
+    rates = np.ravel(ss.ride_metrics(car, road).sws_rate)
+    for damper, number, rate in zip(car.at_wheels("cs"), ss.linearised(car, road).at_wheels("cs"), rates, strict=True):
+        assert number == pytest.approx(expected(damper.force, rate)[1], rel=1e-7)
 
 
 @pytest.mark.parametrize("car", [CARS["full"], ss.QuarterCar(cs=TWO)], ids=["in rounds", "at once"])

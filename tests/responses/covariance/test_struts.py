@@ -368,3 +368,13 @@ def test_bounds_on_turns_hold():
     (tau,) = problem.delays.values()
     bound = digits.turns(problem.stiffened(), problem.compliance(), tau)
     assert np.abs(roots).max() * tau <= bound <= 3.0 * np.abs(roots).max() * tau
+
+
+@pytest.mark.parametrize("waviness", [3.2, 3.45, 3.7])
+def test_a_truck_on_steep_roads_is_what_its_spectrum_says(waviness):
+    truck, road = ss.ThreeAxleTruck(), ss.Road(waviness=waviness, tracks="isotropic")
+    metrics, spectral = (ss.ride_metrics(truck, road, method=method) for method in ("covariance", "spectral"))
+    for name, data in spectral.items():
+        np.testing.assert_allclose(metrics[name], data, rtol=1e-5)
+    slopes = ss.sensitivity(truck, road, ["roughness"])
+    np.testing.assert_allclose(2.0 * road.roughness * slopes.sws[0], metrics.sws, rtol=1e-5)

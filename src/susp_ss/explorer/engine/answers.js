@@ -23,10 +23,11 @@ function refused(car, road) {
   if (!(road.waviness in GAMMA)) return WORDS.waviness;
   const unstable = car.unstable();
   if (unstable) return unstable;
-  for (const process of road.cutoff ? [] : car.processes[road.tracks]) {
-    const { rates, drift } = car.integrated(process), near = process.sign < 0 && road.waviness < 3;
-    const steep = road.waviness >= 3 && process.sign === 0;
-    const which = drift.map((one, k) => (one !== 0 && !near) || (steep && rates.some((row) => row[k] !== 0)));
+  for (const process of car.processes[road.tracks]) {
+    const { rates, drift } = car.integrated(process), cut = road.cutoff > 0;
+    const bounded = road.waviness < 1 + 2 * cut + 2 * (process.sign < 0);
+    const steep = road.waviness >= 3 && process.sign === 0 && !cut;
+    const which = drift.map((one, k) => (one !== 0 && !bounded) || (steep && rates.some((row) => row[k] !== 0)));
     if (which.some(Boolean)) return car.drifting(which);
   }
   return car.at(road).unstable();

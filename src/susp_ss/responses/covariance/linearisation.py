@@ -29,7 +29,7 @@ from .routes import covariance_variances
 Array = NDArray[np.float64]
 
 # Powers (relative) and with them rates and mean deflections stand still to this; rounds after which a design is
-# refused; and the longest step of a round, as a power of e.
+# refused; and the longest step of a round at first, as a power of e.
 CONVERGED, ROUNDS, LONGEST = 1e-10, 50, 1.0
 
 # A round of so few designs, neighbours counted, takes hardly longer than one of a single design. How far neighbours are
@@ -190,7 +190,7 @@ def _settled(rounds: _Rounds, leaders: NDArray[np.int_]) -> tuple[Array, Array, 
     N, n = x.shape
     last, step, inverse = np.zeros_like(x), np.zeros_like(x), np.tile(-np.eye(n), (N, 1, 1))
     variances, count = np.empty((N, len(rounds.flat.layout().outputs))), np.zeros(N, dtype=int)
-    alone = np.zeros((1, n))
+    away, longest, alone = np.full(N, np.inf), np.full(N, LONGEST), np.zeros((1, n))
     neighbours = np.concatenate([alone, NEAR * np.eye(n)])
     for number in range(ROUNDS):
         newton = len(moving) * len(neighbours) <= FEW
@@ -207,8 +207,11 @@ def _settled(rounds: _Rounds, leaders: NDArray[np.int_]) -> tuple[Array, Array, 
         elif number:
             inverse[moving] = _updated(inverse[moving], step[moving], residual - last[moving])
         last[moving], step[moving] = residual, -(inverse[moving] @ residual[..., None])[..., 0]
-        if number:
-            step[moving] /= np.maximum(np.abs(step[moving]).max(axis=-1, keepdims=True) / LONGEST, 1.0)
+        # No first step goes further than powers do; those of Newton's that lead astray were too long.
+        far, away[moving] = away[moving], np.abs(residual).max(axis=-1)
+        longest[moving] *= np.where(newton & (away[moving] > far), 0.5, 1.0)
+        most = longest[moving] if number else np.maximum(away[moving], LONGEST)
+        step[moving] /= np.maximum(np.abs(step[moving]).max(axis=-1) / most, 1.0)[:, None]
         x[moving] += step[moving]
         variances[chosen] = _after(step[leaders[chosen]], found) if newton else found[:, 0]
         moving = moving[np.abs(step[moving]).max(axis=-1) > (NEAR if newton else CONVERGED)]
@@ -255,12 +258,13 @@ class _Rounds:
         self._compliance: Array | None = None
 
     def _groups(self, dampers: tuple[Any, ...], springs: tuple[Any, ...]) -> list[list[int]]:
-        """Corners that move alike, as left and right of a symmetric car; they must have curves that are alike."""
+        """Corners that move alike, as left and right of a symmetric car; they must have such curves and such a road."""
         names = list(self.flat.wheels)
+        met = [self.road.wheels is None or name in self.road.wheels for name in names]
         mean = self.start.halves()[:1]
         groups = [[names.index(corner) for corner in strut] for half in mean for strut in half.struts]
         alike = all(
-            not isinstance(at[group[0]], Curve) or at[group[0]].alike(at[i])
+            met[i] == met[group[0]] and (not isinstance(at[group[0]], Curve) or at[group[0]].alike(at[i]))
             for at in (dampers, springs)
             for group in groups
             for i in group
