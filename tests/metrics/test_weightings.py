@@ -246,7 +246,9 @@ def test_sweeps_lazily_and_in_memory():
         np.testing.assert_allclose(memory[name].isel(ks=1, speed=1), data, rtol=1e-12, err_msg=name)
 
 
-@pytest.mark.parametrize("road", [ss.Road(tracks="isotropic"), ss.Road(waviness=2.6, contact_length=0.1)], ids=str)
+@pytest.mark.parametrize(
+    "road", [ss.Road(), ss.Road(tracks="isotropic"), ss.Road(waviness=2.6, contact_length=0.1)], ids=str
+)
 def test_sensitivities_are_the_limits_of_differences(road):
     import dataclasses
 

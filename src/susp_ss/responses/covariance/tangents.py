@@ -179,7 +179,8 @@ def _carried(
 ) -> tuple[Dual, list[Dual]]:
     """Carry the states over the delay, freely and under decaying forcing from each source, at rates of its own."""
     ends = np.cumsum([0, *(each.shape[-1] for each in alphas)])
-    rates: Any = np.concatenate(alphas, axis=-1)
+    # Those of a weighting alone are constants.
+    rates: Any = 0.0 * tau[:, None] + np.concatenate(alphas, axis=-1)
     forcing: Any = np.concatenate(
         [source + np.zeros(each.shape[-1]) for source, each in zip(sources, alphas, strict=True)], axis=-1
     )
