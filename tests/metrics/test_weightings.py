@@ -246,9 +246,7 @@ def test_sweeps_lazily_and_in_memory():
         np.testing.assert_allclose(memory[name].isel(ks=1, speed=1), data, rtol=1e-12, err_msg=name)
 
 
-@pytest.mark.parametrize(
-    "road", [ss.Road(), ss.Road(tracks="isotropic"), ss.Road(waviness=2.6, contact_length=0.1)], ids=str
-)
+@pytest.mark.parametrize("road", [ss.Road(tracks="isotropic"), ss.Road(waviness=2.6, contact_length=0.1)], ids=str)
 def test_sensitivities_are_the_limits_of_differences(road):
     import dataclasses
 
@@ -329,3 +327,22 @@ def test_a_car_with_points_survives_a_process():
     again = pickle.loads(pickle.dumps(car))
     assert again.layout().outputs == car.layout().outputs
     assert type(again) is type(car)
+
+
+@pytest.mark.parametrize("name", ["ks", "cs", "iyy", "speed"])
+def test_sensitivities_where_a_weighting_alone_has_poles(name):
+    import dataclasses
+
+    car, road = ss.PitchHalfCar(), ss.Road()
+
+    def bacc(share):
+        where, value = (road, road.speed) if name == "speed" else (car, getattr(car, name))
+        there = dataclasses.replace(where, **{name: value * (1.0 + share)})
+        pair = (car, there) if name == "speed" else (there, road)
+        return ss.ride_metrics(*pair, weighting="Wk").bacc
+
+    step = 2e-3
+    each = 8.0 * (bacc(0.5 * step) - bacc(-0.5 * step)) - (bacc(step) - bacc(-step))
+    value = road.speed if name == "speed" else getattr(car, name)
+    slope = ss.sensitivity(car, road, [name], weighting="Wk").bacc.sel(parameter=name)
+    np.testing.assert_allclose(slope, each / (6.0 * step * value), rtol=1e-6)
