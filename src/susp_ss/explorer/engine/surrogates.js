@@ -124,8 +124,9 @@ function surrogates(files, state) {
   opened = new Map();
   return files.flatMap(({ name, text }) => {
     try {
-      opened.set(text, before.get(text) ?? surrogateOf(text));
-      return predictions({ name, fitted: opened.get(text) }, state);
+      const fitted = before.get(text) ?? surrogateOf(text);
+      opened.set(text, fitted);
+      return predictions({ name, fitted }, state);
     } catch (error) {
       if (error instanceof Refusal) return [{ surrogate: name, refused: error.message }];
       throw error;
@@ -133,10 +134,10 @@ function surrogates(files, state) {
   });
 }
 
-// Why a file's text is no surrogate; nothing if it is one.
+// Why a file's text is no surrogate; nothing if it is one, which is kept for the next answer.
 function wrong(text) {
   try {
-    surrogateOf(text);
+    kept(opened, text, () => surrogateOf(text));
     return "";
   } catch (error) {
     if (error instanceof Refusal) return error.message;
